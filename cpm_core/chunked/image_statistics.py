@@ -12,7 +12,7 @@ import numpy as np
 
 from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
 from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
-from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, pack_force, weakest_edge
+from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, WEAKEST_EDGE, ScaleField, pack_force, weakest_edge
 from cpm_core.image.border import dilate_by_distance, find_pixels_inside_border
 from cpm_core.image.gray_levels import apply_power, automatic_gamma
 from cpm_core.image.pyramid import build_pyramid
@@ -121,6 +121,7 @@ class ImageStatistics:
     def impose_on_field(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
         """Impose what depends on the whole image on the field of a chunk whose first pixel is `corner` of the image."""
         strongest, strength = self.strongest[scale], field.edge_map
+        holding = WEAKEST_EDGE * strongest
         top, left, bottom, right = self.scaling.inside
         rows, cols = (
             (start <= at) & (at < end)
@@ -134,7 +135,8 @@ class ImageStatistics:
             strength = np.where(dilate_by_distance(inside, _EDGE_MAP_MARGIN), strength, strength.dtype.type(0))
         return replace(
             field,
-            force=cache(partial(pack_force, field.exponent, charged, field.slopes, strength, strongest, cut)),
+            force=cache(partial(pack_force, field.exponent, charged, field.slopes, strength, holding, cut)),
+            holding=holding,
             edge_map=strength,
             strongest=strongest,
             fixed_charges=charged,

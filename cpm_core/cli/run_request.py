@@ -39,8 +39,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject, Texts, frozen
-from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.segmentation.reach.reach_map import is_limited
+from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
 from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Region, SeedingKind, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import collect_regions, select_starts
 
@@ -328,8 +327,8 @@ def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Pa
         raise ValueError(f"--channel is {parameters.channel}, but its channels have numbers: give one from 1.")
     if parameters.edges == "vessels":
         raise ValueError("--edges vessels looks at the whole image at once: use gradient, or a smaller image.")
-    if is_limited(parameters):
-        raise ValueError("--reach and --weakest-edge are for a start that is drawn: leave them out.")
+    if parameters.reach < UNLIMITED_REACH:
+        raise ValueError("--reach is for a start that is drawn: leave it out.")
     writable = volume_results.WRITABLE if is_volume else results.WRITABLE
     if not arguments.export:
         raise ValueError(f"--export is missing: name files that end in {', '.join(writable)}.")

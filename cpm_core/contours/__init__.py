@@ -6,7 +6,6 @@ from cpm_core.contours.agreement import ObjectCounts as ObjectCounts
 from cpm_core.contours.agreement import compare_boundaries as compare_boundaries
 from cpm_core.contours.agreement import distances_to_contours as distances_to_contours
 from cpm_core.contours.contour import Label as Label
-from cpm_core.contours.contour import ReachedBy as ReachedBy
 from cpm_core.contours.contour import assign_numbers as assign_numbers
 from cpm_core.contours.contour import build_path_tree as build_path_tree
 from cpm_core.contours.contour import select_bridges_on as select_bridges_on

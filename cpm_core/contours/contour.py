@@ -6,7 +6,6 @@ import itertools
 import re
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
@@ -17,10 +16,6 @@ from cpm_core.parameters.formatting import format_count, format_repr, quote_valu
 
 SAMPLE_SPACING = 0.25
 """Distance between samples along contours that are compared [px]."""
-
-ReachedBy = Literal["", "flight", "weak", "junction", "launched"]
-"""Way in which particles came to a contour: by their own flight from the start, beyond a weak edge, by creeping over a
-junction, or by being launched elsewhere; empty where it is not known."""
 
 
 def check_color(what: str, color: str) -> None:
@@ -92,8 +87,6 @@ class Contour(Curve):
         Whether it is the boundary of a hole in an object.
     bridged : float
         Length of the stretches that close a gap in the edge [px].
-    measure_origin : callable or None
-        Determines `reached`; None where it is not known.
     category : str
         Name of the class of the object that it bounds, or empty.
     gray : float or None
@@ -113,8 +106,8 @@ class Contour(Curve):
     >>> square.length, square.area, square.box.tolist(), len(square.path)
     (40.0, 100.0, [[2.0, 2.0], [12.0, 12.0]], 5)
     >>> found = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8)).contours[0]
-    >>> round(found.contrast, 2), found.length_by_hand, found.reached
-    (0.92, 0, 'flight')
+    >>> round(found.contrast, 2), found.length_by_hand
+    (0.92, 0)
     """
 
     strength: float = 0.0
@@ -127,7 +120,6 @@ class Contour(Curve):
     group: int = 0
     hole: bool = False
     bridged: float = 0.0
-    measure_origin: Callable[[], str] | None = None
     category: str = ""
     gray: float | None = None
 
@@ -141,11 +133,6 @@ class Contour(Curve):
         It takes longer to measure than a contour takes to find, and is measured at the first access.
         """
         return self.measure_contrast() if self.measure_contrast else 0.0
-
-    @cached_property
-    def reached(self) -> str:
-        """Way in which particles came to most of it; the first access may take longer than finding the contours."""
-        return self.measure_origin() if self.measure_origin else ""
 
     @cached_property
     def length(self) -> float:

@@ -57,8 +57,6 @@ class Measures:
         its label in the label mask. 0 when open, and for the hole of an object.
     net_area_in_units : float
         `net_area` in the square of the unit.
-    reached : {"", "flight", "weak", "junction", "launched"}
-        Way in which particles came to it; empty where it is not known, or was not requested with the contrast.
     """
 
     number: int
@@ -77,7 +75,6 @@ class Measures:
     net_area: float
     net_area_in_units: float
     by_hand: float = 0.0
-    reached: str = ""
 
     def __repr__(self) -> str:
         kind = "closed" if self.closed else "open"
@@ -120,8 +117,7 @@ def measure(
     spacing : sequence of float
         Size of a pixel along (row, col), in any unit.
     contrast : bool
-        Whether to measure the contrast and how contours were reached, which takes longer than everything else at the
-        first access.
+        Whether to measure the contrast, which takes longer than everything else at the first access.
 
     Returns
     -------
@@ -163,7 +159,6 @@ def measure(
             length_in_units=path_length(contour.path * spacing),
             area_in_units=contour.area * spacing[0] * spacing[1],
             by_hand=contour.length_by_hand,
-            reached=contour.reached if contrast else "",
             net_area=own,
             net_area_in_units=own * spacing[0] * spacing[1],
         )

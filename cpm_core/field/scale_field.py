@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from copy import copy
-from dataclasses import replace
+from dataclasses import field, replace
 from functools import cache, cached_property, partial
 from typing import Any
 
@@ -85,6 +85,10 @@ WindowGradient = Callable[[Window], Array]
 """Returns the gradient of an image in a window."""
 
 
+_EVERYWHERE = np.zeros((0, 0), bool)
+"""Area of a start that is everywhere."""
+
+
 @record
 class ScaleField:
     r"""Fields of one scale of an image.
@@ -101,6 +105,8 @@ class ScaleField:
         The image.
     strongest : float
         Largest edge strength [gray levels / px].
+    holding : float
+        Least edge strength that holds particles.
     fixed_charges : ndarray, shape (\*shape)
         Size of the fixed charges that make the field: the edge map where it is not below the edge floor, inside the
         regions of interest and the image border.
@@ -112,8 +118,8 @@ class ScaleField:
         Power of the distance with which the force of a fixed charge decays; None for the number of dimensions.
     barrier_map : BarrierMap
         Barriers, which particles do not cross.
-    reached : ndarray of bool, shape (\*shape), or None
-        Where contours may run; None for everywhere.
+    area : ndarray of bool, shape (\*shape)
+        Area that a start lies in; empty where it is everywhere.
     cut : bool
         Whether the edge map has been cut: the force is that of the uncut one, the magnitude of the gradient.
     corner : tuple of int
@@ -127,19 +133,20 @@ class ScaleField:
     edge_map: Array
     values: Array
     strongest: float
+    holding: float
     fixed_charges: Array
     floor: float
     smoothing: float
     exponent: float | None = None
     barrier_map: BarrierMap = NO_BARRIERS
-    reached: Mask | None = None
+    area: Mask = field(default_factory=lambda: _EVERYWHERE)
     cut: bool = False
     corner: tuple[int, ...] = (0, 0)
     whole: ScaleField | None = None
 
     def crop(self, window: Window) -> ScaleField:
         """Crop the field to a window of the image; its force, computed for the window alone, is that of all charges."""
-        made_of = self._windowed, self.slopes, self.edge_map, self.strongest, self.cut
+        made_of = self._windowed, self.slopes, self.edge_map, self.holding, self.cut
         corner = tuple(side.start for side in window)
         return replace(
             self,
@@ -151,6 +158,7 @@ class ScaleField:
             values=self.values[window],
             fixed_charges=self.fixed_charges[window],
             barrier_map=self.barrier_map.crop_to_window(window),
+            area=self.area[window] if self.area.size else self.area,
             corner=corner,
             whole=self,
         )
@@ -278,11 +286,12 @@ def build_scale_field(
     if not everywhere:
         strength[~dilate_by_distance(inside, _KEPT_BEYOND_INTEREST)] = 0.0
     return ScaleField(
-        cache(partial(pack_force, exponent, charged, slopes, strength, strongest, not everywhere)),
+        cache(partial(pack_force, exponent, charged, slopes, strength, WEAKEST_EDGE * strongest, not everywhere)),
         slopes,
         strength,
         values,
         strongest,
+        WEAKEST_EDGE * strongest,
         charged,
         weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor),
         smoothing,
@@ -317,10 +326,10 @@ def _edge_strength(slopes: WindowGradient, shape: Extent) -> Array:
 
 
 def pack_force(
-    exponent: float | None, charged: Array, slopes: WindowGradient, strength: Array, strongest: float, cut: bool
+    exponent: float | None, charged: Array, slopes: WindowGradient, strength: Array, holding: float, cut: bool
 ) -> Single:
     """Compute `ScaleField.packed`, shape (H, W, 5), from fixed charges, image gradient and edge map, shape (H, W)."""
-    known, packed = (slopes, strength, strongest, cut), np.empty((*strength.shape, 5), np.float32)
+    known, packed = (slopes, strength, holding, cut), np.empty((*strength.shape, 5), np.float32)
     if strength.size <= LARGE_IMAGE_PIXELS:
         every = whole_window(strength.shape)
         _write_packed(convolved_field(charged, exponent, FIELD_PRECISION), *known, every, every, packed)
@@ -332,13 +341,13 @@ def pack_force(
 
 
 def _pack_force_in_window(
-    field: WindowedField, slopes: WindowGradient, strength: Array, strongest: float, cut: bool, window: Window
+    field: WindowedField, slopes: WindowGradient, strength: Array, holding: float, cut: bool, window: Window
 ) -> Single:
     """Compute `pack_force` in a window of a large image."""
     packed = np.empty((*window_shape(window), 5), np.float32)
     outer = expand_window(window, _FORCE_OVERLAP, strength.shape)
     _write_packed(
-        field.field_in_window(outer), slopes, strength, strongest, cut, outer, relative_window(window, outer), packed
+        field.field_in_window(outer), slopes, strength, holding, cut, outer, relative_window(window, outer), packed
     )
     return packed
 
@@ -347,7 +356,7 @@ def _write_packed(
     field: Single,
     slopes: WindowGradient,
     strength: Array,
-    strongest: float,
+    holding: float,
     cut: bool,
     window: Window,
     inner: Window,
@@ -357,7 +366,7 @@ def _write_packed(
     # kernels are compiled for one layout of all images and windows
     field, grad, length = map(np.ascontiguousarray, (field, slopes(window), strength[window]))
     write_lorentz_force(
-        field, grad, vector_magnitudes(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start)
+        field, grad, vector_magnitudes(grad) if cut else length, holding, packed, (inner[0].start, inner[1].start)
     )
     if cut:
         packed[..., 4] = length[inner]
@@ -373,7 +382,7 @@ def weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
 
 
 def write_lorentz_force(
-    field: Single, grad: Array, strength: Array, strongest: float, packed: Single, first: tuple[int, int] = (0, 0)
+    field: Single, grad: Array, strength: Array, holding: float, packed: Single, first: tuple[int, int] = (0, 0)
 ) -> None:
     r"""Write the normalized Lorentz force on the pixels, of at most unit size, the gradient and the edge strength.
 
@@ -385,7 +394,7 @@ def write_lorentz_force(
       particles from weak to strong parts of the edge and keep them circling; motion along an edge is left to the
       Coulomb force.
     - Where the field points away from the ridge, as it does all across a weak edge next to a strong one, the slope of
-      the edge map takes its place, so that every edge holds its particles.
+      the edge map takes its place, so that every edge of at least `holding` keeps its particles.
 
     Parameters
     ----------
@@ -393,8 +402,8 @@ def write_lorentz_force(
         Electric field.
     grad, strength : ndarray, shapes (2, H, W) and (H, W)
         Image gradient, and its size.
-    strongest : float
-        Largest edge strength that counts.
+    holding : float
+        Least edge strength that holds particles.
     packed : ndarray, shape (h, w, 5)
         Output, as `ScaleField.packed`.
     first : tuple of int
@@ -406,9 +415,9 @@ def write_lorentz_force(
     levels = (
         _OFF_RIDGE_FRACTION,
         _ON_RIDGE_FRACTION - _OFF_RIDGE_FRACTION,
-        WEAKEST_EDGE * strongest,
+        holding,
         least,
-        max(1e-12 * strongest, least),
+        max(1e-12 * holding / WEAKEST_EDGE, least),
         tiny,
     )
     limits = tuple(map(kind, levels))
@@ -507,38 +516,17 @@ def unit_vectors(vectors: Array) -> Array:
     return vectors * scale
 
 
-_TAPER_START = 1.5
-"""Distance from the ridge of an edge up to which its strength is kept [px]."""
-
-_TAPER_END = 3.0
-"""Distance from the ridge beyond which nothing is left [px]; the taper keeps new ridges from arising."""
-
-_MAX_CONTOUR_OFFSET = 2.0
-"""Distance from the ridge up to which a contour may run [px]."""
-
-
-def limit_field_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
-    """Return this field with fixed charges and edges around some pixels only.
-
-    `ridge`, shape (H, W), are the pixels of the ridges that stay. The largest edge strength, and the least one for edge
-    contact, are those of the edges that stay.
-    """
-    away = scipy.ndimage.distance_transform_edt(~ridge) if ridge.any() else np.full(ridge.shape, np.inf)
-    kept = np.clip((_TAPER_END - away) / (_TAPER_END - _TAPER_START), 0.0, 1.0).astype(
-        scale_field.edge_map.dtype, copy=False
-    )
-    strength = scale_field.edge_map * kept
-    same = scale_field.fixed_charges is scale_field.edge_map
-    charged = strength if same else scale_field.fixed_charges * kept
-    strongest = float(strength.max(initial=0.0))
-    return replace(
-        scale_field,
-        force=cache(partial(pack_force, scale_field.exponent, charged, scale_field.slopes, strength, strongest, False)),
-        edge_map=strength,
-        strongest=strongest,
-        fixed_charges=charged,
-        floor=min(scale_field.floor, MAX_BACKGROUND * strongest if strongest > 0.0 else np.inf),
-        reached=away <= _MAX_CONTOUR_OFFSET,
-        cut=False,
-        whole=None,
-    )
+def limit_field(scale_field: ScaleField, area: Mask, floor: float) -> ScaleField:
+    """Return this field for a start in an area, shape (H, W), where weaker edges than a floor hold no particle."""
+    other = copy(scale_field)
+    holding = max(floor, scale_field.holding)
+    made_of = scale_field.exponent, scale_field.fixed_charges, scale_field.slopes, scale_field.edge_map
+    limited = {
+        "force": cache(partial(pack_force, *made_of, holding, scale_field.cut)),
+        "holding": holding,
+        "floor": max(floor, scale_field.floor),
+        "area": area,
+    }
+    for name, value in limited.items():
+        object.__setattr__(other, name, value)
+    return other

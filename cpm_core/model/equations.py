@@ -11,7 +11,7 @@ import numpy as np
 from cpm_core.model.state import HISTORY_STEPS
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array
-from cpm_core.parameters import Parameters
+from cpm_core.parameters import UNLIMITED_REACH, Parameters
 
 COULOMB_SOFTNESS = 0.5
 """Slope of the normalized Coulomb force near equilibrium; with it the integrator keeps the stiffest mode of a chain of
@@ -121,6 +121,9 @@ def advance_coordinate(
     )
 
 
+MAX_TRAVEL = 0.5
+"""Largest distance that a particle moves in a step, in d_min: one that moves farther may cross an edge unnoticed."""
+
 _UNDER_WAY_FRACTION = 0.3
 """Fraction of the speed that the field alone gives a particle above which it is under way."""
 
@@ -130,7 +133,8 @@ _MIN_SPEED_BETA = 0.1
 
 def fast_speed(parameters: Parameters) -> float:
     """Return the speed beyond which the field alone must drive a particle [px / unit of time]."""
-    return _UNDER_WAY_FRACTION * (parameters.w2 / max(parameters.beta, _MIN_SPEED_BETA))
+    limit = MAX_TRAVEL * parameters.d_min / parameters.time_step
+    return _UNDER_WAY_FRACTION * min(parameters.w2 / max(parameters.beta, _MIN_SPEED_BETA), limit)
 
 
 @compiled
@@ -203,9 +207,34 @@ def is_idle(new: int, coverage: int) -> bool:
 DELETION_DISTANCE = 0.5
 """Least distance of two particles, in d_min."""
 
-
 INSERTION_STRIDE = 0.9
 """Distance of a position ahead of a particle, in d_min."""
 
-INSERTION_ROOM = 0.8
-"""Least distance of a position ahead of a particle from all others, in d_min."""
+_USUAL_PUSH = 1.6 / (1.75 - 1.6)
+"""Ratio of push to hold, ``w1 / (w2 - w1)``, at the weights of the paper."""
+
+_USUAL_BETA = 0.8
+"""Damping of the paper."""
+
+_USUAL_FADING = 1.0 - 0.99
+"""Part of the insertion range that the annealing of the paper takes at each step."""
+
+_MIN_CREEPING_BETA = 0.01
+"""Damping that counts where there is less."""
+
+
+def creeping_range(parameters: Parameters) -> float:
+    """Return the distance that a front creeps along edges once it has left the area of its start [px].
+
+    It is the parameter `reach` at the values of the paper. Repulsion drives a front against the hold of the edges,
+    ``w1 / (w2 - w1)``, for as many steps as annealing leaves, ``1 / (1 - a)``, over stretches as long as a particle
+    coasts against the damping, which grow with ``1 / beta^2``.
+    """
+    if parameters.reach >= UNLIMITED_REACH:
+        return float("inf")
+    if parameters.annealing == 1.0:
+        return float("inf") if parameters.reach * parameters.w1 > 0.0 else 0.0
+    push = parameters.w1 / (parameters.w2 - parameters.w1) / _USUAL_PUSH
+    steps = _USUAL_FADING / (1.0 - parameters.annealing)
+    coasting = (_USUAL_BETA / max(parameters.beta, _MIN_CREEPING_BETA)) ** 2
+    return parameters.reach * push * steps * coasting

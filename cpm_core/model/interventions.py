@@ -84,13 +84,21 @@ def _check_mask(inside: ArrayLike, count: int, noun: str) -> Mask:
 
 def start_scale(state: StateT, scale: int, regions: AnyRegions | None) -> StateT:
     """Begin a scale with the particles of the coarser one and with all seeds."""
-    coarser_and_seeds = (state.position, state.start)
-    places = [allowed_places(places, scale, state.shape, regions) for places in coarser_and_seeds]
-    return state.begin_scale(scale, np.concatenate(places))
+    position = np.concatenate([state.position, state.start])
+    crept = np.concatenate([state.particles.crept * 2.0 ** (state.scale - scale), np.zeros(len(state.start))])
+    places = to_scale(position, scale, state.shape)
+    allowed = _may_be_at(places, scale, state.shape, regions)
+    begun = state.begin_scale(scale, places[allowed])
+    return replace(begun, particles=replace(begun.particles, crept=crept[allowed]))
 
 
-def allowed_places(position: Array, scale: int, shape: Extent, regions: AnyRegions | None) -> Array:
-    """Return positions, shape (N, D) [px of the image], at a scale, without those where no particle may be."""
-    places = to_scale(position, scale, shape)
-    places = places[is_inside_image(places, shape_at_scale(shape, scale))]
-    return places[is_allowed(to_image(places, scale, shape), regions)]
+def count_allowed(position: Array, scale: int, shape: Extent, regions: AnyRegions | None) -> int:
+    """Return at how many positions, shape (N, D) [px of the image], a particle may be at a scale."""
+    return int(np.count_nonzero(_may_be_at(to_scale(position, scale, shape), scale, shape, regions)))
+
+
+def _may_be_at(places: Array, scale: int, shape: Extent, regions: AnyRegions | None) -> Mask:
+    """Return a mask, shape (N,), of the places of a scale where a particle may be."""
+    inside = is_inside_image(places, shape_at_scale(shape, scale))
+    inside[inside] = is_allowed(to_image(places[inside], scale, shape), regions)
+    return inside

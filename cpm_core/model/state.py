@@ -38,6 +38,9 @@ class Particles:
         ``|r|`` at the last T steps, newest first: the history of eq. (23); NaN before the particle was inserted.
     identity : ndarray of int64, shape (N,)
         Number of each, used once only in a run.
+    crept : ndarray, shape (N,)
+        Distance that each, or the front that it descends from, has crept along edges since it left the area of the
+        start [px].
 
     Examples
     --------
@@ -55,6 +58,7 @@ class Particles:
     force: Array
     distance: Array
     identity: Index
+    crept: Array
 
     @classmethod
     def at_rest(cls, position: Array, first_identity: int = 0) -> Self:
@@ -66,6 +70,7 @@ class Particles:
             np.zeros((count, 2, dimension)),
             np.full((count, HISTORY_STEPS), np.nan),
             np.arange(first_identity, first_identity + count),
+            np.zeros(count),
         )
 
     def __len__(self) -> int:

@@ -44,8 +44,8 @@ from cpm_core.objects.volume_partition import VolumePartition, require_image
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 from cpm_core.segmentation.evolve import segment
-from cpm_core.segmentation.reach.bounding import object_enclosed_by
 from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
+from cpm_core.segmentation.reach.start_area import object_enclosed_by
 
 NO_POINTS = np.empty((0, 2))
 """An empty array of points."""

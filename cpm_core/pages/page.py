@@ -139,7 +139,6 @@ def strip_image(result: Result) -> Result:
             if contour.measure_contrast is None
             else partial(round, contour.contrast, _MEASURE_DECIMALS),
             gray=gray,
-            measure_origin=partial(str, contour.reached),
         )
         for contour, gray in zip(result.contours, _measure_gray_means(result), strict=True)
     )

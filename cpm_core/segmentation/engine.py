@@ -28,7 +28,7 @@ from cpm_core.model.starts import check_seeds
 from cpm_core.model.state import State
 from cpm_core.model.volume import step as volume
 from cpm_core.model.volume.state import VolumeState
-from cpm_core.numerics.types import Array, Texts
+from cpm_core.numerics.types import Array, Mask, Texts
 from cpm_core.parameters import PARAMETERS, SKELETON_PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
@@ -36,7 +36,6 @@ from cpm_core.parameters.provenance import Provenance, select_parameters
 from cpm_core.segmentation.finer_scale import drop_explained_seeds, thin_seeds
 from cpm_core.segmentation.outcome import find_state_contours, find_state_surface
 from cpm_core.segmentation.reach.local_fields import LocalFields
-from cpm_core.segmentation.reach.reach_map import ReachMap
 
 
 class _Law(NamedTuple):
@@ -94,8 +93,8 @@ class Engine(ImageFields):
     >>> edges, force = engine.edge_map(cpm.Parameters()), engine.force_field(cpm.Parameters())
     >>> edges.shape, force.shape, engine.potential(cpm.Parameters()).shape
     ((64, 64), (2, 64, 64), (64, 64))
-    >>> engine.scale_field(cpm.Parameters()).edge_map.shape, engine.reach_map(state.start, cpm.Parameters()) is None
-    ((64, 64), False)
+    >>> engine.scale_field(cpm.Parameters()).edge_map.shape, engine.start_area(state.start, cpm.Parameters()) is None
+    ((64, 64), True)
     >>> half = engine.with_regions(cpm.Regions(interest=[[(0, 0), (63, 0), (63, 31), (0, 31)]]))
     >>> half.regions
     <Regions 1 region of interest, 0 barriers>
@@ -125,9 +124,13 @@ class Engine(ImageFields):
         other._local_fields = LocalFields(other.scale_field, plane_regions(regions))
         return other
 
-    def reach_map(self, start: Array, parameters: Parameters) -> ReachMap | None:
-        """Return how a start, shape (N, 2) [px], reaches the edges of the image; None where it does not limit a run."""
-        return self._local_fields.reach_map_of(start, parameters)
+    def start_area(self, start: Array, parameters: Parameters) -> Mask | None:
+        """Return the area of a start, shape (N, 2) [px], as a mask, shape (H, W); None where a run has no limit.
+
+        Outside of it a front creeps only for a while; see `Parameters.reach`.
+        """
+        area = None if self.image.ndim == 3 else self._local_fields.area_of(start, parameters)
+        return None if area is None else area.inside
 
     @staticmethod
     def steering(parameters: Parameters) -> tuple[object, ...]:
@@ -290,7 +293,7 @@ class Engine(ImageFields):
         Result
             In px of the image.
         """
-        found = self._law.result(state, self.image, self._field_of(state, parameters), parameters, self.reach_map)
+        found = self._law.result(state, self.image, self._field_of(state, parameters), parameters)
         return replace(found, provenance=_build_provenance(self.image, state, parameters))
 
     def measure_state(self, state: State, parameters: Parameters) -> Mapping[str, float]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from cpm_core.contours.contour import Bridge
@@ -19,7 +17,6 @@ from cpm_core.model.volume.state import VolumeState
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
-from cpm_core.segmentation.reach.reach_map import ReachMap
 
 
 def build_result(state: State, image: Image, parameters: Parameters, **found: Any) -> Result:
@@ -45,7 +42,6 @@ def find_state_contours(
     image: Image,
     field: ScaleField,
     parameters: Parameters,
-    map_of: Callable[[Array, Parameters], ReachMap | None],
 ) -> Result:
     """Find the contours, each of shape (K, 2) [px of the image], through the particles of a state."""
     size = 2.0**state.scale
@@ -57,22 +53,15 @@ def find_state_contours(
     covers_edges = state.converged and not state.charges and not state.erased
     found, bridged = find_contours(state.particles.position, field, parameters, at_rest=covers_edges)
 
-    def way_of(points: Array) -> str:
-        known = map_of(state.start, parameters)
-        return "" if known is None else known.way_of(points)
-
     places = [to_image_places(c.points) for c in found]
     contours = tuple(
-        replace(c, points=points, strength=c.strength / size, measure_origin=partial(way_of, points))
-        for c, points in zip(found, places, strict=True)
+        replace(c, points=points, strength=c.strength / size) for c, points in zip(found, places, strict=True)
     )
     bridges = tuple(Bridge(to_image_places(b.points), b.length * size, b.strength / size) for b in bridged)
     return build_result(state, image, parameters, contours=contours, surface=None, bridges=bridges)
 
 
-def find_state_surface(
-    state: VolumeState, image: Image, field: VolumeField, parameters: Parameters, _map_of: object
-) -> Result:
+def find_state_surface(state: VolumeState, image: Image, field: VolumeField, parameters: Parameters) -> Result:
     """Find the surface through the particles on surfaces of a state, in voxels; it ends at walls."""
     from cpm_core.reconstruction.surface.pipeline import find_surface  # noqa: PLC0415 - loads scipy.spatial
 

@@ -7,13 +7,12 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 from PIL import ImageColor
 
-from cpm_core.contours.contour import Contour, ReachedBy
+from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array, JsonDict, frozen
 
 DEFAULT_COLOR = "#d6006c"
@@ -123,7 +122,6 @@ class CollectedContours:
 
 def clean_properties(properties: JsonDict) -> JsonDict:
     """Clean the properties of a contour, dropping values that it cannot have."""
-    reached = properties.pop("reached", "")
     return {
         **properties,
         "name": str(properties.get("name") or ""),
@@ -133,7 +131,6 @@ def clean_properties(properties: JsonDict) -> JsonDict:
         "bridged": _finite_or_zero(properties.get("bridged")),
         "gray": None if properties.get("gray") is None else _finite_or_zero(properties["gray"]),
         "number": max(0, int(properties.get("number") or 0)),
-        "measure_origin": partial(str, reached) if reached in get_args(ReachedBy) else None,
     }
 
 

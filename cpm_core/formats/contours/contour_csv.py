@@ -100,7 +100,7 @@ def encode_measures(result: Outcome) -> bytes:
     contour was edited by hand, ``by_hand_px`` (length drawn by hand). For boundaries of objects also ``class``,
     ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE; the net area of a hole is 0), and ``bridged_px``
     (length without a detected edge). For a skeleton also ``thickness_min_px``, ``thickness_median_px`` and
-    ``thickness_max_px``. If known for any contour, ``reached``: how particles got to it (`Contour.reached`).
+    ``thickness_max_px``.
     """
     return encode_csv_rows(_build_measure_rows(result), ("contour", "label", "closed", "length_px"))
 
@@ -109,7 +109,6 @@ def _build_measure_rows(result: Outcome) -> list[Row]:
     """Build the rows of `encode_measures`."""
     has, origin = _find_attributes(result), build_provenance_cells(result)
     measures, rows = measure(result.contours, result.spacing), []
-    known = any(one.reached for one in measures)
     for index, (contour, one) in enumerate(zip(result.contours, measures, strict=True)):
         areas = {"gross": (one.area, one.area_in_units), "net": (one.net_area, one.net_area_in_units)}
         row: Row = {
@@ -137,8 +136,6 @@ def _build_measure_rows(result: Outcome) -> list[Row]:
             row["class"] = escape_cell(contour.category)
         if "group" in has:
             row |= {"object": contour.group, "hole": _format_bool(contour.hole), "bridged_px": f"{contour.bridged:.4f}"}
-        if known:
-            row["reached"] = one.reached
         if isinstance(result, Skeleton):
             for name, value in (("min", np.min), ("median", np.median), ("max", np.max)):
                 row[f"thickness_{name}_px"] = f"{2.0 * value(result.radii[index]):.4f}"

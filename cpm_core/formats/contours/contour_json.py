@@ -112,8 +112,6 @@ def _contours_to_json(result: Outcome) -> list[JsonDict]:
             entry["class"] = contour.category
         if contour.gray is not None:
             entry["gray"] = contour.gray
-        if row.reached:
-            entry["reached"] = row.reached
         if result.unit:
             entry |= {"length_in_units": row.length_in_units, "gross_area_in_units": row.area_in_units}
             entry["net_area_in_units"] = row.net_area_in_units
@@ -194,7 +192,7 @@ def _parse_shape(plain: JsonObject) -> tuple[int, int]:
 def _contour_from_json(plain: JsonObject) -> Contour:
     """Build a contour from JSON."""
     first, last = plain["junctions"]
-    known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "reached", "bridged", "gray")}
+    known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "bridged", "gray")}
     properties = clean_properties(
         known
         | {"category": plain.get("class"), "group": int(plain.get("object", 0)), "hole": bool(plain.get("hole", False))}

@@ -22,7 +22,7 @@ from cpm_core.field.interpolation import interpolate_component, pixel_before
 from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses_barrier
 from cpm_core.model.coverage import cell_of
-from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_ROOM, INSERTION_STRIDE
+from cpm_core.model.equations import DELETION_DISTANCE
 from cpm_core.model.plane.motion import READ_AHEAD_COUNT, edge_state_at, prefetch_field
 from cpm_core.model.plane.repulsion import PlaneCells, cells_around, row_of_cells
 from cpm_core.model.state import HISTORY_STEPS, Particles
@@ -173,13 +173,12 @@ class SearchMasks(NamedTuple):
     """Masks of the particles that search for positions in a step; all of shape (N,).
 
     Those `present` have not been deleted, those `looking` search in this step, of these the `thorough` ones even if
-    they have others on both sides along their edge, and those `ahead` also search ahead.
+    they have others on both sides along their edge.
     """
 
     present: Mask
     looking: Mask
     thorough: Mask
-    ahead: Mask
 
 
 class PlaceRule(NamedTuple):
@@ -189,35 +188,25 @@ class PlaceRule(NamedTuple):
     ----------
     floor : float
         Least edge strength.
-    d_min, reach : float
-        Spacing, and annealed distance up to which two particles get one between them [px].
+    d_min : float
+        Spacing [px].
     range : float
         Distance up to which other particles are examined [px].
     """
 
     floor: float
     d_min: float
-    reach: float
     range: float
 
 
 def search_range(parameters: Parameters) -> float:
     """Return the distance up to which a step examines the particles around one [px]."""
     d_min, reach = parameters.d_min, parameters.d_min + parameters.d_max
-    return max(reach, 0.5 * reach + CROWD_RANGE * d_min, (INSERTION_STRIDE + CROWD_RANGE) * d_min)
+    return max(reach, 0.5 * reach + CROWD_RANGE * d_min)
 
 
 FoundPlace = tuple[bool, float, float, float, int]
 """Whether it is free, where, its distance from all others [px], and the number of particles around it."""
-
-_SEARCH_ANGLES = 2.0 * np.pi * np.arange(8) / 8
-"""Angles in which a particle searches for a position ahead."""
-
-_SEARCH_DIRECTIONS = np.stack([np.sin(_SEARCH_ANGLES), np.cos(_SEARCH_ANGLES)], axis=1)
-"""Unit vectors in which a particle searches for a position ahead, in opposite pairs."""
-
-_MAX_SQUARED_ACROSS = 0.36
-"""Largest square of the part across the edge of a direction along the edge."""
 
 _FLANK_DISTANCE = 1.6
 """Distance, in d_min, of others on both sides along an edge between which there is no position ahead."""
@@ -263,17 +252,16 @@ def find_insertions(
     contact: EdgeContact,
     search: SearchMasks,
     scale_field: ScaleField,
-    d_max: float,
+    insertion_range: Array,
     parameters: Parameters,
-    turn: int = 0,
 ) -> PlaneBirths:
     """Find positions for new particles.
 
-    `search` selects the particles that take part, `d_max` is the annealed insertion range [px], `turn` the pair of
-    opposite directions that is searched in addition to those along the edge; the pairs take turns.
+    `search` selects the particles that take part, `insertion_range`, shape (N,), is what annealing has left of d_max
+    for each [px]; of two particles the larger one counts.
     """
     count, d_min = len(contact.strength), parameters.d_min
-    rule = PlaceRule(scale_field.floor, d_min, d_min + d_max, search_range(parameters))
+    rule = PlaceRule(scale_field.floor, d_min, search_range(parameters))
     eligible, there = contact.on_edge & search.present, search.present[contact.cells.order]
     asked = search._replace(present=there, thorough=search.thorough & search.looking)
     edge = (contact.strength, contact.normal)
@@ -281,7 +269,7 @@ def find_insertions(
     found: dict[int, _Offers] = {}
 
     def search_some(first: int, last: int) -> None:
-        found[first] = _find_offers(*seen, rule, _SEARCH_DIRECTIONS, turn, first, last)
+        found[first] = _find_offers(*seen, insertion_range, rule, first, last)
 
     searching = int(np.count_nonzero(search.looking & eligible))
     run_in_parallel(search_some, count, _PLANE_SEARCHES_PER_THREAD * count // (searching + 1) + 1)
@@ -301,9 +289,8 @@ def _find_offers(
     eligible: Mask,
     packed: Single,
     barrier_map: BarrierMap,
+    insertion_range: Array,
     rule: PlaceRule,
-    turns: Array,
-    turn: int,
     first: int,
     last: int,
 ) -> _Offers:
@@ -329,21 +316,26 @@ def _find_offers(
         faintest, before = max(rule.floor, EDGE_END_FRACTION * strength[i]), count
         if count + _MAX_OFFERS > len(offers):
             offers = np.concatenate((offers, np.empty_like(offers)))
-        for n in range(length + len(turns) if search.ahead[i] else length):
-            j, far_y, far_x = i, y, x
-            if n < length:
-                j, far_y, far_x = index[n], near[0, n], near[1, n]
-                apart = rule.d_min**2 < (far_y - y) ** 2 + (far_x - x) ** 2 <= rule.reach**2
-                if not (apart and eligible[j] and (j > i or not thorough[j])):
-                    continue
-                found = _find_midpoint(near, length, y, x, far_y, far_x, packed, faintest, rule)
-            else:
-                down, right = turns[n - length, 0], turns[n - length, 1]
-                across = (down * n_y + right * n_x) ** 2
-                if (n - length - turn) % (len(turns) // 2) and not across <= _MAX_SQUARED_ACROSS * (n_y**2 + n_x**2):
-                    continue
-                found = _find_place_ahead(near, length, y, x, down, right, packed, faintest, rule)
-                far_y, far_x = found[1], found[2]
+        if _is_alone(near, length, y, x, rule.d_min + insertion_range[i]):
+            size = max(np.sqrt(n_y**2 + n_x**2), 1e-30)
+            for way in (-rule.d_min, rule.d_min):
+                found = _find_place_beside(
+                    near, length, y + way * n_x / size, x - way * n_y / size, packed, faintest, rule
+                )
+                here[0], here[1], there[0], there[1] = y, x, found[1], found[2]
+                if found[0] and not crosses_barrier(barrier_map, here, there):
+                    offers[count, 0], offers[count, 1] = i, i
+                    offers[count, 2], offers[count, 3], offers[count, 4], offers[count, 5] = found[1:]
+                    count += 1
+                    break
+            continue
+        for n in range(length):
+            j, far_y, far_x = index[n], near[0, n], near[1, n]
+            farthest = rule.d_min + max(insertion_range[i], insertion_range[j])
+            apart = rule.d_min**2 < (far_y - y) ** 2 + (far_x - x) ** 2 <= farthest**2
+            if not (apart and eligible[j] and (j > i or not thorough[j])):
+                continue
+            found = _find_midpoint(near, length, y, x, far_y, far_x, packed, faintest, rule)
             if not found[0] or count - before == _MAX_OFFERS:
                 continue
             here[0], here[1], there[0], there[1] = y, x, far_y, far_x
@@ -379,30 +371,23 @@ def _find_midpoint(
 
 
 @compiled
-def _find_place_ahead(
-    near: Array,
-    length: int,
-    y: float,
-    x: float,
-    down: float,
-    right: float,
-    packed: Single,
-    faintest: float,
-    rule: PlaceRule,
-) -> FoundPlace:
-    """Return the position one stride from a particle, if an edge continues there, its own or one that meets it.
+def _is_alone(near: Array, length: int, y: float, x: float, distance: float) -> bool:
+    """Return whether no other particle lies within a distance of one; near ones include it."""
+    count = 0
+    for n in range(length):
+        count += (near[0, n] - y) ** 2 + (near[1, n] - x) ** 2 <= distance * distance
+    return count <= 1
 
-    The position must be free.
-    """
-    keep, about = INSERTION_ROOM * rule.d_min, _OVERFULL_COUNT
-    p_y, p_x = y + INSERTION_STRIDE * rule.d_min * down, x + INSERTION_STRIDE * rule.d_min * right
-    free = _count_crowd(near, length, p_y, p_x, keep, rule.d_min) < _OVERFULL_COUNT  # cheap, and few directions pass
-    if free:
-        free, p_y, p_x = _slide_to_edge(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
-    if free:
-        about = _count_crowd(near, length, p_y, p_x, keep, rule.d_min)
-        free = about <= MAX_CROWD
-    return free, p_y, p_x, keep, about
+
+@compiled
+def _find_place_beside(
+    near: Array, length: int, y: float, x: float, packed: Single, faintest: float, rule: PlaceRule
+) -> FoundPlace:
+    """Return the position on the edge next to one beside a lone particle, if the edge continues there."""
+    keep = DELETION_DISTANCE * rule.d_min
+    free, y, x = _slide_to_edge(packed, faintest, 0.5 * rule.d_min, y, x)
+    about = _count_crowd(near, length, y, x, keep, rule.d_min)
+    return free and about <= MAX_CROWD, y, x, keep, about
 
 
 @compiled
@@ -503,7 +488,7 @@ def replace_particles(particles: Particles, stay: Index, births: PlaneBirths, fi
     `stay` has the shape (K,).
     New ones have the mean velocity and force history of their two parents.
     """
-    before = particles.position, particles.velocity, particles.force, particles.distance, particles.identity
+    before = tuple(vars(particles).values())
     count = len(stay) + len(births.position)
     after: Any = [np.empty((count, *array.shape[1:]), array.dtype) for array in before]
     _write_replaced(before, stay, births.position, births.parents, first_identity, tuple(after))
@@ -512,16 +497,16 @@ def replace_particles(particles: Particles, stay: Index, births: PlaneBirths, fi
 
 @compiled
 def _write_replaced(
-    before: tuple[Array, Array, Array, Array, Index],
+    before: tuple[Array, Array, Array, Array, Index, Array],
     stay: Index,
     position: Array,
     parents: Index,
     first: int,
-    after: tuple[Array, Array, Array, Array, Index],
+    after: tuple[Array, Array, Array, Array, Index, Array],
 ) -> None:
     """Write the arrays of the particles that replace others."""
-    place, velocity, force, distance, identity = before
-    to_place, to_velocity, to_force, to_distance, to_identity = after
+    place, velocity, force, distance, identity, crept = before
+    to_place, to_velocity, to_force, to_distance, to_identity, to_crept = after
     for n in range(len(to_place)):
         born = n - len(stay)
         i, j = (stay[n], stay[n]) if born < 0 else (parents[born, 0], parents[born, 1])
@@ -533,3 +518,4 @@ def _write_replaced(
         for t in range(HISTORY_STEPS):
             to_distance[n, t] = distance[i, t] if born < 0 else np.nan
         to_identity[n] = identity[i] if born < 0 else first + born
+        to_crept[n] = 0.5 * (crept[i] + crept[j])

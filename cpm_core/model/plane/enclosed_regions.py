@@ -47,7 +47,7 @@ only one of them may be missing."""
 _EXAMINED_NEIGHBORS = 8
 """Number of nearest particles that are examined for a pixel of a rim."""
 
-_RESEEDING_SPACING = 6.0
+_RESEEDING_SPACING = 4.0
 """Distance between reseeded particles [px]."""
 
 
@@ -74,6 +74,8 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
     known = np.zeros(region_of.max() + 1, bool)
     known[region_of[covered >= _REACHED_FRACTION]] = True
     missing = ~near & known[region_of][number]
+    if scale_field.area.size:
+        missing &= scale_field.area[tuple(place.T)]
     places: Array = place[missing & (_stretch_sizes(place, missing, scale_field.shape) >= _MIN_MISSING_STRETCH)].astype(
         float
     )

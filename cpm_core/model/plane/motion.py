@@ -21,6 +21,7 @@ from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import (
     FADED_STEPS,
     FINAL_DAMPING_STEPS,
+    MAX_TRAVEL,
     advance_coordinate,
     coulomb_scale,
     damped_series,
@@ -99,7 +100,15 @@ REST_SPEED = 5e-4
 
 
 class MotionLaw(NamedTuple):
-    """The parameters of motion: weights of eq. (12), spacing, time step, and `NEIGHBOR_RANGE` in px."""
+    """The parameters of motion.
+
+    Attributes
+    ----------
+    w1, w2, d_min, dt : float
+        Weights of eq. (12), spacing, time step.
+    neighbor_range : float
+        `NEIGHBOR_RANGE` [px].
+    """
 
     w1: float
     w2: float
@@ -170,6 +179,7 @@ class MovedParticles(NamedTuple):
             np.empty_like(particles.force),
             np.empty_like(particles.distance),
             particles.identity,
+            np.empty(len(particles)),
         )
         return cls(after, np.empty(len(particles)))
 
@@ -198,9 +208,9 @@ def move_in_plane(
     law = MotionLaw(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, near)
     damped = damped_motion(parameters.beta, parameters.time_step)
     moved = MovedParticles.allocate(particles)
-    before, after = (particles.velocity, particles.force, particles.distance), moved.particles
-    motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
-    work = partial(_move_sorted, cells, scale_field.packed, idle, mesh, damped, law, before, motion)
+    before, after = (particles.velocity, particles.force, particles.distance, particles.crept), moved.particles
+    motion = (after.position, after.velocity, after.force, after.distance, after.crept, moved.motion)
+    work = partial(_move_sorted, cells, scale_field.packed, scale_field.area, idle, mesh, damped, law, before, motion)
     run_in_parallel(work, len(particles), _MOVED_PER_THREAD if (idle < FADED_STEPS).any() else _LATE_MOVED_PER_THREAD)
     return moved
 
@@ -227,18 +237,19 @@ def prefetch_field(packed: Single, cells: PlaneCells, first: int, last: int, any
 def _move_sorted(
     cells: PlaneCells,
     packed: Single,
+    area: Mask,
     idle: Index,
     mesh: MeshForce,
     damped: Array,
     law: MotionLaw,
-    before: tuple[Array, Array, Array],
-    after: tuple[Array, Array, Array, Array, Array],
+    before: tuple[Array, Array, Array, Array],
+    after: tuple[Array, Array, Array, Array, Array, Array],
     first: int,
     last: int,
 ) -> None:
     """Move some of the sorted particles."""
-    velocity, force, distance = before
-    to_position, to_velocity, to_force, to_distance, motion = after
+    velocity, force, distance, crept = before
+    to_position, to_velocity, to_force, to_distance, to_crept, motion = after
     coulomb = np.zeros((last - first, 2))
     _write_repulsion(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
@@ -248,7 +259,7 @@ def _move_sorted(
             prefetch_field(packed, cells, k, last, motion)
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         v_y, v_x = velocity[i, 0], velocity[i, 1]
-        to_y, to_x = y, x
+        to_y, to_x, along = y, x, 0.0
         history = (force[i, 0, 0], force[i, 0, 1], force[i, 1, 0], force[i, 1, 1])
         if idle[i] >= FADED_STEPS and v_y**2 + v_x**2 < REST_SPEED**2 and not np.isnan(distance[i, HISTORY_STEPS - 1]):
             v_y, v_x = 0.0, 0.0
@@ -256,7 +267,7 @@ def _move_sorted(
             late = min(idle[i], len(damped) - 1)
             series = (damped[late, 0], damped[late, 1], damped[late, 2], damped[late, 3])
             c_y, c_x = coulomb[k - first, 0], coulomb[k - first, 1]
-            to_y, to_x, v_y, v_x, history = _step_particle(
+            to_y, to_x, v_y, v_x, along, history = _step_particle(
                 packed, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history
             )
         to_position[i, 0], to_position[i, 1], to_velocity[i, 0], to_velocity[i, 1] = to_y, to_x, v_y, v_x
@@ -264,6 +275,16 @@ def _move_sorted(
         to_distance[i, 1], to_distance[i, 2], to_distance[i, 3] = distance[i, 0], distance[i, 1], distance[i, 2]
         to_distance[i, 0] = np.sqrt(to_y**2 + to_x**2)
         motion[i] = np.sqrt((to_y - y) ** 2 + (to_x - x) ** 2)
+        to_crept[i] = crept[i] + along
+        if _is_inside(area, to_y, to_x):
+            to_crept[i] = 0.0
+
+
+@compiled
+def _is_inside(area: Mask, y: float, x: float) -> bool:
+    """Return whether a position lies in an area; an empty one is everywhere."""
+    rows, cols = area.shape
+    return rows == 0 or bool(area[min(max(int(y + 0.5), 0), rows - 1), min(max(int(x + 0.5), 0), cols - 1)])
 
 
 @compiled
@@ -316,13 +337,17 @@ def _step_particle(
     c_y: float,
     c_x: float,
     history: Four,
-) -> tuple[float, float, float, float, Four]:
-    """Return the particle after the step of eq. (14)-(15), by the total force of eq. (12) with Coulomb force c."""
+) -> tuple[float, float, float, float, float, Four]:
+    """Return the particle after the step of eq. (14)-(15), by the total force of eq. (12) with Coulomb force c.
+
+    Also returns how far it has moved along an edge.
+    """
     last_y, last_x, old_y, old_x = history
     place = pixel_before(packed, y, x)
     l_y, l_x = interpolate_component(packed, 0, place), interpolate_component(packed, 1, place)
     f_y, f_x = law.w1 * c_y + law.w2 * l_y, law.w1 * c_x + law.w2 * l_x
-    if l_y**2 + l_x**2 < ON_EDGE_FORCE**2:
+    n_y, n_x, on_edge = 0.0, 0.0, l_y**2 + l_x**2 < ON_EDGE_FORCE**2
+    if on_edge:
         n_y, n_x = interpolate_component(packed, 2, place), interpolate_component(packed, 3, place)
         size = max(np.sqrt(n_y**2 + n_x**2), 1e-30)
         n_y, n_x = n_y / size, n_x / size
@@ -333,7 +358,13 @@ def _step_particle(
             old_y, old_x = _part_across(old_y, old_x, n_y, n_x)
     to_y, v_y = advance_coordinate(y, v_y, f_y, last_y, old_y, law.dt, series)
     to_x, v_x = advance_coordinate(x, v_x, f_x, last_x, old_x, law.dt, series)
-    return to_y, to_x, v_y, v_x, (f_y, f_x, last_y, last_x)
+    farthest = MAX_TRAVEL * law.d_min
+    kept = farthest / max(farthest, np.sqrt((to_y - y) ** 2 + (to_x - x) ** 2))
+    to_y, to_x = y + kept * (to_y - y), x + kept * (to_x - x)
+    kept = farthest / max(farthest, law.dt * np.sqrt(v_y**2 + v_x**2))
+    v_y, v_x = kept * v_y, kept * v_x
+    along = _size_along(to_y - y, to_x - x, n_y, n_x) if on_edge else 0.0
+    return to_y, to_x, v_y, v_x, along, (f_y, f_x, last_y, last_x)
 
 
 @compiled

@@ -17,9 +17,9 @@ from cpm_core.model.equations import (
     FADED_STEPS,
     FINAL_DAMPING_STEPS,
     IDLE_STEPS,
-    MIN_SCALE_STEPS,
     QUIET_STEPS,
     STILL_DISTANCE,
+    creeping_range,
     damping_coefficient,
     equilibrium_epsilon,
     fast_speed,
@@ -191,9 +191,6 @@ _FRONT_STEPS = 20
 _SEARCH_INTERVAL = 4
 """Steps between two searches of another particle."""
 
-_AHEAD_INTERVAL = 8
-"""Steps between two searches ahead of another particle."""
-
 _LATE_INTERVAL = 2
 """Steps between two deletions and insertions once coverage hardly grows."""
 
@@ -250,22 +247,30 @@ def _find_inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[
 def insert_and_delete(
     state: PlaneState, moved: MovedParticles, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
 ) -> PlaneState:
-    """Delete and insert particles, and anneal; late in a run the first two happen only at some steps."""
-    annealed = state.annealed * parameters.annealing
+    """Delete and insert particles; late in a run this happens only at some steps.
+
+    Annealing counts for each particle since cells near it were newly covered, as section 3.6 counts it for the run: a
+    front on its way has as many young ones as at first, and where nothing new is found, births end.
+    """
     every = _FADED_INTERVAL if repulsion_gone else _LATE_INTERVAL if state.idle >= IDLE_STEPS else 1
     if state.step % every:
-        return replace(state, annealed=annealed, idle=state.idle + 1)
+        return replace(state, idle=state.idle + 1)
     particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
     cells = build_plane_cells(particles.position, scale_field.shape, search_range(parameters))
     contact, close = examine_contacts(cells, has_moved, scale_field, parameters.d_min)
     kept = select_survivors(particles.position, contact.strength, parameters.d_min, close)
+    if scale_field.area.size:
+        kept &= particles.crept <= creeping_range(parameters) * 0.5**state.scale
     coverage, new = mark_covered(state.coverage, particles.position, contact.on_edge & kept, step)
-    round_, idle = state.step // every, idle_steps_at(coverage, particles.position, step, state.idle)
+    idle = idle_steps_at(coverage, particles.position, step, state.idle)
     search = SearchMasks(
-        kept, *_select_searching(particles.identity, particles.distance, has_moved, idle, round_, repulsion_gone)
+        kept,
+        *_select_searching(
+            particles.identity, particles.distance, has_moved, idle, state.step // every, repulsion_gone
+        ),
     )
-    d_max = state.annealed * parameters.d_max
-    births = find_insertions(contact, search, scale_field, d_max, parameters, round_)
+    insertion_range = parameters.d_max * parameters.annealing**idle
+    births = find_insertions(contact, search, scale_field, insertion_range, parameters)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
     if deleted or born:  # in the order of their cells: particles near in space are then near in memory
         stay = cells.order[kept[cells.order]] if deleted else np.arange(len(kept))
@@ -273,7 +278,6 @@ def insert_and_delete(
     return replace(
         state,
         particles=particles,
-        annealed=annealed,
         next_identity=state.next_identity + born,
         born=born,
         deleted=state.deleted + deleted,
@@ -285,34 +289,29 @@ def insert_and_delete(
 @compiled
 def _select_searching(
     identity: Index, distance: Array, has_moved: Mask, idle: Index, turn: int, everywhere: bool
-) -> tuple[Mask, Mask, Mask]:
-    """Select the particles that search in a turn, those that search thoroughly, and those that search ahead."""
+) -> tuple[Mask, Mask]:
+    """Select the particles that search in a turn, and those that search thoroughly."""
     count = len(identity)
-    looking, thorough, ahead = np.empty(count, np.bool_), np.empty(count, np.bool_), np.empty(count, np.bool_)
+    looking, thorough = np.empty(count, np.bool_), np.empty(count, np.bool_)
     for i in range(count):
         number, front = identity[i] + turn, idle[i] < _FRONT_STEPS
         thorough[i] = number % _SEARCH_INTERVAL == 0 or np.isnan(distance[i, HISTORY_STEPS - 1]) or everywhere
         looking[i] = (thorough[i] or front) and has_moved[i]
-        ahead[i] = number % _AHEAD_INTERVAL == 0 or front
-    return looking, thorough, ahead
-
-
-_MAX_STEPS_PER_PIXEL = 2.0
-"""Greatest number of steps of a scale for each pixel of the longest side: a front advances about two pixels a step."""
+    return looking, thorough
 
 
 def check_end(
     state: PlaneState, scale_field: ScaleField, regions: AnyRegions | None, parameters: Parameters
 ) -> PlaneState:
-    """End a scale or the run at equilibrium or after the greatest number of steps; else return the state."""
+    """End a scale or the run at equilibrium; else return the state."""
     quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
     if quiet or state.quiet:
         state = replace(state, quiet=state.quiet + 1 if quiet else 0)
-    most = max(MIN_SCALE_STEPS, int(_MAX_STEPS_PER_PIXEL * max(scale_field.shape)))
-    overdue = state.step_of_scale - state.reactivated >= most
     if state.scale > 0:
-        done = state.idle >= IDLE_STEPS and not is_travelling(state, parameters)
-        if state.count == 0 or done or overdue:
+        # from a drawn start fronts have to come around corners; from everywhere only gaps are left
+        patience = FADED_STEPS if scale_field.area.size else IDLE_STEPS
+        done = state.idle >= patience and not is_travelling(state, parameters)
+        if state.count == 0 or done:
             return start_scale(drop_off_edge(state, scale_field, keep_attracted=True), state.scale - 1, regions)
         return state
     if state.count == 0:
@@ -323,8 +322,6 @@ def check_end(
             return continued
         reason = f"at rest: nothing has moved, appeared or vanished for {QUIET_STEPS} steps"
         return drop_resting_off_edge(state, scale_field).stop(reason, True)
-    if overdue:
-        return state.stop(f"not at rest after {most} steps at full size")
     return state
 
 

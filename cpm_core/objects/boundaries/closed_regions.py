@@ -1,7 +1,7 @@
 """Closed regions: the insides of closed contours that the image confirms unambiguously.
 
 Particles close contours around objects, but also around specks of texture. A closed contour is an object as it is, with
-its holes, where it is unambiguous (`segmentation.reach.unambiguous`): then no prediction is needed.
+its holes, where it is unambiguous (`is_unambiguous`): then no prediction is needed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
-from cpm_core.segmentation.reach.unambiguous import OWN_EDGE_DISTANCE, is_unambiguous
 
 _MAJORITY_SHARE = 0.5
 """Share of a start above which it lies in a region, and of a contour above which it lies in another."""
@@ -33,6 +32,37 @@ _MAX_NECK_RATIO = 0.7
 
 _CONTOUR_TOLERANCE = 2
 """Distance from an unambiguous contour up to which a point contradicts the contour itself [px]."""
+
+_ALLOWED_PERCENTAGE = 5.0
+"""Percentage of an edge, and of its inside, that need not fit."""
+
+_MIN_EDGE_RATIO = 3.0
+"""Least ratio of the strength of the edge to that of its inside."""
+
+_MIN_WEAK_FRACTION = 0.5
+"""Least strength of weak stretches of the edge, in multiples of its median: a weaker edge lies in something larger."""
+
+OWN_EDGE_DISTANCE = 3.0
+"""Distance from an edge up to which the edge strength is its own [px]."""
+
+
+def is_unambiguous(along: Array, inside: Array) -> bool:
+    """Return whether the image leaves no doubt about a closed edge.
+
+    Parameters
+    ----------
+    along : ndarray, shape (N,)
+        Edge strength along it.
+    inside : ndarray, shape (M,)
+        Edge strength of the pixels that it encloses, farther than `OWN_EDGE_DISTANCE` from it. Without any it is a
+        detail, which stays ambiguous.
+    """
+    if not along.size or not inside.size:
+        return False
+    weak, usual = np.percentile(along, [_ALLOWED_PERCENTAGE, 50.0])
+    return bool(
+        weak > max(_MIN_EDGE_RATIO * np.percentile(inside, 100.0 - _ALLOWED_PERCENTAGE), _MIN_WEAK_FRACTION * usual)
+    )
 
 
 @record

@@ -46,12 +46,14 @@ def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> 
         drop_unconnected(graph, scale_field.strength_at(graph.points), parameters.sure_edge * scale_field.strongest)
 
 
-def drop_unreached(graph: Graph, reached: Mask) -> None:
-    """Remove the edges of a graph with a vertex off the pixels, shape (H, W), where contours may run."""
-    place = np.clip(np.rint(graph.points).astype(int), 0, np.array(reached.shape) - 1)
-    on = reached[tuple(place.T)]
-    edges = graph.edges()
-    graph.remove_edges(edges[~on[edges].all(axis=1)])
+def drop_beyond(graph: Graph, area: Mask, particles: Array, distance: float) -> None:
+    """Remove what is traced outside an area, shape (H, W), farther than a distance [px] from any particle, (N, 2)."""
+    place = np.clip(np.rint(graph.points).astype(int), 0, np.array(area.shape) - 1)
+    beyond = np.flatnonzero(~area[tuple(place.T)])
+    away, _ = scipy.spatial.cKDTree(particles).query(graph.points[beyond]) if len(particles) else (np.inf, None)
+    gone = np.zeros(len(graph.points), bool)
+    gone[beyond] = away > distance
+    graph.remove_edges(graph.edges()[gone[graph.edges()].any(axis=1)])
 
 
 def rate_edges(graph: Graph, measure: Callable[[Array], Array]) -> tuple[Index, Array]:

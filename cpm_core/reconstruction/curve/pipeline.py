@@ -13,7 +13,7 @@ from cpm_core.reconstruction.curve.end_linking import link_loose_ends
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps
 from cpm_core.reconstruction.curve.hysteresis import (
     MIN_LENGTH_IN_SPACINGS,
-    drop_unreached,
+    drop_beyond,
     drop_weak,
     least_contour_length,
     select_contours,
@@ -66,8 +66,8 @@ def find_contours(
     kept = select_survivors(points, scale_field.strength_at(points), parameters.d_min)
     reach = max(parameters.d_min + parameters.d_max, _MIN_JOINING_REACH * parameters.d_min)
     graph = Graph(*trace_ridges(points[kept], scale_field, parameters.d_min, at_rest))
-    if scale_field.reached is not None:
-        drop_unreached(graph, scale_field.reached)
+    if scale_field.area.size:
+        drop_beyond(graph, scale_field.area, points[kept], 0.5 * reach)
     graph.drop_specks(_LONGEST_SPECK * parameters.d_min)
     link_loose_ends(graph, scale_field, reach)
     graph.drop_spurs(_LONGEST_SPUR * parameters.d_min)

@@ -1,1 +1,1 @@
-"""Reach of a start: the edges that bound it, those beyond a weak edge or a junction, and the rest."""
+"""Reach of a start: its area, up to the edges that enclose it, and the fields of a run limited by it."""

@@ -88,6 +88,8 @@ def _are_in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
 
 def is_everywhere(points: Array, shape: Extent) -> bool:
     """Return whether particles, shape (N, 2) [px], lie evenly all over an image of this shape, as a grid does."""
+    if len(points) < MIN_DRAWN_PLACES:
+        return False
     side = _EVEN_SIDE * np.sqrt(np.prod(shape) / max(len(points), 1))
     cells = tuple(int(np.ceil(n / side)) for n in shape)
     place = np.clip((points + 0.5) / side, 0, np.array(cells) - 1).astype(int)

@@ -1,23 +1,22 @@
-"""The fields of a run, limited to the edges that its start reaches."""
+"""The fields of a run, limited to the area of its start and to the edges that hold particles there."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from threading import Lock
 
 import numpy as np
-import scipy
 
-from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, limit_field_to
-from cpm_core.image.pyramid import to_scale
+from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, limit_field
+from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
 from cpm_core.model.plane.enclosed_regions import BARRIER_CLEARANCE
 from cpm_core.model.plane.state import window_around
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, Mask
-from cpm_core.parameters import Parameters
-from cpm_core.segmentation.reach.reach_map import ReachMap, build_reach_map, creeping_distance, is_limited
+from cpm_core.numerics.types import Array, Mask, record
+from cpm_core.parameters import UNLIMITED_REACH, Parameters
+from cpm_core.segmentation.reach.start_area import find_start_area
 
 _KEPT_LOCAL_FIELDS = 6
 """Number of limited fields, and of parts of fields, that are kept: those of all scales of a run."""
@@ -26,8 +25,24 @@ _MAX_START_ROOM = 1024.0
 """Largest room around a start in which its area is searched in a large image [px]."""
 
 
+@record
+class LocalArea:
+    """Area of a start in an image.
+
+    Attributes
+    ----------
+    inside : ndarray of bool, shape (H, W)
+        Its pixels.
+    strength : float
+        Usual edge strength along its boundary, as a fraction of the largest one.
+    """
+
+    inside: Mask
+    strength: float
+
+
 class LocalFields:
-    """Reach maps of starts in an image, and its fields limited to what they reach; threads may share them.
+    """Areas of starts in an image, and its fields limited to them; threads may share them.
 
     `field_of` gives the unlimited field of the image for some parameters at a scale.
     """
@@ -35,40 +50,40 @@ class LocalFields:
     def __init__(self, field_of: Callable[[Parameters, int], ScaleField], regions: Regions | None) -> None:
         self._field_of = field_of
         self._regions = regions
-        self._map: tuple[tuple[object, ...], Array, ReachMap | None] | None = None
-        self._limited, self._part = (
-            lru_cache(_KEPT_LOCAL_FIELDS)(_limit_to_reached),
-            lru_cache(_KEPT_LOCAL_FIELDS)(_crop_field),
-        )
+        self._known: tuple[ScaleField, Array, LocalArea | None] | None = None
+        self._limited, self._part = lru_cache(_KEPT_LOCAL_FIELDS)(_limit), lru_cache(_KEPT_LOCAL_FIELDS)(_crop_field)
         self._lock = Lock()
 
     def field_at(self, scale: int, start: Array, parameters: Parameters, window: Window | None) -> ScaleField:
         """Return the field of a scale, or of a window of it, in a run from a start, shape (N, 2) [px of the image]."""
-        plain = self._field_of(parameters, scale)
-        part = plain if window is None else self._part(plain, *((side.start, side.stop) for side in window))
-        reached = self.reach_map_of(start, parameters) if is_limited(parameters) else None
-        return part if reached is None else self._limited(part, reached, creeping_distance(parameters), scale)
+        field, area = self._field_of(parameters, scale), self.area_of(start, parameters)
+        if area is not None:
+            field = self._limited(field, area, parameters.weakest_edge, scale)
+        return field if window is None else self._part(field, *((side.start, side.stop) for side in window))
 
-    def reach_map_of(self, start: Array, parameters: Parameters) -> ReachMap | None:
-        """Return how a start, shape (N, 2) [px], reaches the edges of the image; None for one from everywhere."""
-        plain = self._field_of(parameters, 0)
-        made_of = (plain, id(start), parameters.beta, parameters.w2, parameters.weakest_edge)
+    def area_of(self, start: Array, parameters: Parameters) -> LocalArea | None:
+        """Return the area of a start, shape (N, 2) [px of the image]; None where it does not limit a run."""
+        if parameters.reach >= UNLIMITED_REACH:
+            return None
+        field = self._field_of(parameters, 0)
         with self._lock:
-            if self._map is None or self._map[0] != made_of:
-                self._map = made_of, start, self._build_map(plain, start, parameters)
-            return self._map[2]
+            if self._known is None or self._known[0] is not field or self._known[1] is not start:
+                self._known = field, start, self._find_area(field, start)
+            return self._known[2]
 
-    def _build_map(self, plain: ScaleField, start: Array, parameters: Parameters) -> ReachMap | None:
-        """Build the map of a start; of a large image in a window that the area of the start does not leave."""
-        found, room = None, 0.0
-        while plain.values.size > LARGE_IMAGE_PIXELS and (found is None or found.leaves) and room < _MAX_START_ROOM:
-            window = window_around(start, plain.shape, room)
-            if window is None:
+    def _find_area(self, field: ScaleField, start: Array) -> LocalArea | None:
+        """Find the area of a start; in a large image in a window that the area does not leave."""
+        for part in _parts_around(field, start):
+            found = find_start_area(part.values.astype(float), start - part.corner, self._closed_pixels(part))
+            if found is not None and not found.touches_end(part.corner, field.shape):
                 break
-            part = plain.crop(window)
-            found = build_reach_map(part, start - part.corner, self._closed_pixels(part), parameters)
-            room = float(max(part.shape))
-        return found if room else build_reach_map(plain, start, self._closed_pixels(plain), parameters)
+        if found is None:
+            return None
+        along = found.boundary & _find_ridge(part)
+        strength = float(np.median(part.edge_map[along])) if along.any() else 0.0
+        inside = np.zeros(field.shape, bool)
+        inside[part.window] = found.inside
+        return LocalArea(inside, strength / max(field.strongest, 1e-300))
 
     def _closed_pixels(self, field: ScaleField) -> Mask:
         """Return the pixels where no particle goes, in the window of the image that a field covers."""
@@ -80,17 +95,47 @@ class LocalFields:
         return closed
 
 
-def _crop_field(plain: ScaleField, *sides: tuple[int, int]) -> ScaleField:
+def _parts_around(field: ScaleField, start: Array) -> Iterator[ScaleField]:
+    """Yield larger and larger parts of the field of a large image around a start; of another image all of it."""
+    room = 0.0
+    while field.values.size > LARGE_IMAGE_PIXELS and room < _MAX_START_ROOM:
+        window = window_around(start, field.shape, room)
+        if window is None:
+            break
+        part = field.crop(window)
+        yield part
+        room = float(max(part.shape))
+    if not room:
+        yield field
+
+
+def _find_ridge(scale_field: ScaleField) -> Mask:
+    """Return the pixels on the ridge of an edge: neither of the two neighbors across it is stronger."""
+    strength = scale_field.edge_map
+    ridge = np.zeros(strength.shape, bool)
+    place = np.argwhere(strength >= scale_field.floor)
+    if not len(place):
+        return ridge
+    here = strength[tuple(place.T)]
+    normal = scale_field.gradient[(slice(None), *place.T)].T / np.maximum(here, 1e-300)[:, None]
+    both = [scale_field.strength_at(place + sign * normal) for sign in (-1.0, 1.0)]
+    top = (here >= both[0]) & (here >= both[1])
+    ridge[tuple(place[top].T)] = True
+    return ridge
+
+
+def _crop_field(field: ScaleField, *sides: tuple[int, int]) -> ScaleField:
     """Return a scale field cropped to a window, given as ranges along both axes."""
-    return plain.crop(tuple(slice(*side) for side in sides))
+    return field.crop(tuple(slice(*side) for side in sides))
 
 
-def _limit_to_reached(plain: ScaleField, reached: ReachMap, budget: float, scale: int) -> ScaleField:
-    """Limit a field to the edges that are reached, on the pixels of its scale that contain one of theirs."""
-    place = (np.argwhere(reached.ridge_within(budget)) + reached.corner).astype(float)
-    place = np.rint(to_scale(place, scale, reached.shape)).astype(int) - plain.corner
-    ridge = np.zeros(plain.shape, bool)
-    ridge[tuple(place[((place >= 0) & (place < plain.shape)).all(axis=1)].T)] = True
+def _limit(field: ScaleField, area: LocalArea, weakest_edge: float, scale: int) -> ScaleField:
+    """Limit the field of a scale to the area of a start, and to edges not much weaker than those around it."""
+    inside = area.inside
     if scale:
-        ridge = np.asarray(scipy.ndimage.binary_closing(ridge) | ridge)
-    return limit_field_to(plain, ridge)
+        rows, cols = (
+            np.rint(to_image(np.arange(n)[:, None].astype(float), scale, (m,))[:, 0]).astype(int).clip(0, m - 1)
+            for n, m in zip(field.shape, inside.shape, strict=True)
+        )
+        inside = inside[np.ix_(rows, cols)]
+    return limit_field(field, inside, weakest_edge * area.strength * field.strongest)

@@ -52,12 +52,6 @@ from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers, Sides
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 
-REACHED_WORDS: Mapping[str, str] = {
-    "flight": tr("in free flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
-    "launched": tr("inserted elsewhere"), "": "–",
-}  # fmt: skip
-"""Words for how particles reached a contour, the most direct way first."""
-
 _KIND_NAMES: Mapping[RowKind, str] = {
     "object": tr("object"), "proposal": tr("proposal"), "closed": tr("closed"), "open": tr("open"),
     "rejected": tr("rejected"),
@@ -163,10 +157,6 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
                _contour_measure_getter(lambda found: found.by_hand * found.length_in_units / found.length
                                        if found.by_hand else None),
                "000.0", 1),
-        Column("reached", tr("Reached"), tr("How particles reached it: in free flight from the start, "
-                                            "beyond a weak edge, along edges over a junction, or by "
-                                            "insertion elsewhere."),
-               _contour_measure_getter(lambda found: REACHED_WORDS[found.reached]), "beyond a weak edge"),
     )  # fmt: skip
 
 
