@@ -108,7 +108,7 @@ class FakeEngine:
         self.made.append(self)
         self.charges: list[tuple[PlacedCharge, ...]] = []
         self.states: list[FakeState] = []
-        self.last_step = 10**9
+        self.last_step, self.unfinished = 10**9, False
         self.gate = threading.Event()
         self.gate.set()
         self.reconstructing = threading.Event()
@@ -134,6 +134,7 @@ class FakeEngine:
             step=state.step + 1,
             betas=(*state.betas, parameters.beta),
             stop_reason=reason,
+            converged=bool(reason) and not self.unfinished,
             steering=parameters.steering,
         )
         self.states.append(following)
@@ -288,6 +289,20 @@ def test_a_stopped_run_goes_on_with_other_parameters(bench: Bench) -> None:
     bench.worker_thread.post_command(call_run(2, Run.take_steps))
     bench.settle()
     assert [state.betas[-1] for state in engine.states] == [0.8, 0.8, 0.8, 1.5]
+
+
+def test_a_run_that_ended_before_it_came_to_rest_goes_on_from_there(bench: Bench) -> None:
+    engine = bench.open()
+    engine.last_step, engine.unfinished = 3, True
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
+    assert bench.settle().state.stop_reason
+    engine.last_step, engine.unfinished = 7, False
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
+    snapshot = bench.settle()
+    assert (snapshot.state.step, snapshot.state.converged) == (7, True)
+    assert len(snapshot.timeline.branches) == 1
+    assert len(engine.states) == 7
 
 
 def test_what_was_meant_for_another_image_or_run_is_not_obeyed(bench: Bench) -> None:

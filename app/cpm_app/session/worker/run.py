@@ -206,10 +206,11 @@ class Run:
         return self._remaining > 0
 
     def take_steps(self, steps: int | None = None) -> None:
-        """Take a number of steps, or all until `halt`; a run that has ended continues only with other parameters."""
+        """Take a number of steps, or all until `halt`; a run at rest continues only with other parameters."""
         if self.method is None or self.state is None:
             return
-        if self.state.stop_reason and self.state.steering != self.method.steering(self.parameters):
+        unfinished = self.state.count and not self.state.converged
+        if self.state.stop_reason and (unfinished or self.state.steering != self.method.steering(self.parameters)):
             self.state = self.state.resume()
         if not self.state.stop_reason:
             self._remaining = float("inf") if steps is None else self._remaining + steps
