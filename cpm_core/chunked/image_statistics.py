@@ -21,6 +21,7 @@ from cpm_core.image.gray_levels import (
     automatic_gamma,
     find_gray_ends,
     find_inside_rim,
+    limit_specks,
     limit_to_usable,
     merge_gray_ends,
 )
@@ -220,9 +221,10 @@ def build_parent_image(source: ChunkedSource, grid: ChunkGrid, seen: Sequence[Ch
 
 
 def _assemble_coarse_image(grid: ChunkGrid, seen: Sequence[ChunkGrayLevels]) -> Array:
-    """Assemble the means of the blocks of the whole image, shape (rows, columns of blocks)."""
+    """Assemble the means of the blocks of the whole image, shape (rows, columns of blocks), without specks."""
     columns = grid.counts[1]
-    return np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
+    blocks = np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
+    return limit_specks(blocks)
 
 
 def _find_smoothing(source: ChunkedSource, coarse: Array, tone: GrayScaling) -> float:
