@@ -14,9 +14,19 @@ from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
 from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, WEAKEST_EDGE, ScaleField, pack_force, weakest_edge
 from cpm_core.image.border import dilate_by_distance, find_pixels_inside_border
-from cpm_core.image.gray_levels import apply_power, automatic_gamma
+from cpm_core.image.gray_levels import (
+    SPECK_REACH,
+    GrayEnds,
+    apply_power,
+    automatic_gamma,
+    find_gray_ends,
+    find_inside_rim,
+    limit_specks,
+    limit_to_usable,
+    merge_gray_ends,
+)
 from cpm_core.image.pyramid import build_pyramid
-from cpm_core.numerics.grids import relative_window, whole_window
+from cpm_core.numerics.grids import expand_window, relative_window, whole_window
 from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
 from cpm_core.objects.partition import ParentImage
 from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
@@ -34,10 +44,9 @@ _MAX_COARSE_SIDE = 2048
 
 
 class ChunkGrayLevels(NamedTuple):
-    """Gray levels of the core of a chunk: their range, a dense and a sparse sample, and means of blocks."""
+    """Gray levels of the core of a chunk: their ends, a dense and a sparse sample, and means of blocks."""
 
-    low: float
-    high: float
+    ends: GrayEnds
     sample: Array
     sparse_sample: Array
     blocks: Array
@@ -52,12 +61,12 @@ class ChunkEdges(NamedTuple):
 
 @frozen
 class GrayScaling:
-    """The scaling and smoothing of the gray levels of an image.
+    """The limits, the scaling and the smoothing of the gray levels of an image.
 
     Attributes
     ----------
     low, high, exponent : float
-        Range and exponent of the power scale.
+        Range of the gray levels that count, and exponent of the power scale within it.
     smoothing : float
         Sigma of the Gaussian before the gradient [px].
     inside : tuple of int
@@ -71,7 +80,8 @@ class GrayScaling:
     inside: Integers
 
     def scale_grays(self, values: Array) -> Array:
-        """Scale gray levels, of any shape, as `gray_levels.apply_gamma` scales those of the whole image."""
+        """Limit and scale gray levels, of any shape, as those of the whole image are."""
+        values = limit_to_usable(values, (self.low, self.high))
         if self.exponent == 1.0 or self.high <= self.low:
             return values
         return apply_power(values, self.low, self.high, self.exponent)
@@ -155,6 +165,13 @@ def find_sample_spacing(shape: Extent) -> int:
     return max(math.ceil((math.prod(shape) / _STATISTICS_SAMPLES) ** (1.0 / len(shape))), 1)
 
 
+def measure_gray_ends(source: ChunkedSource, chunk: Chunk) -> GrayEnds:
+    """Measure the ends of the gray levels of the core of a chunk of an image or a volume."""
+    seen = expand_window(chunk.core, SPECK_REACH, source.shape)
+    inside = relative_window(find_inside_rim(source.shape), seen)
+    return find_gray_ends(source.read_values(seen), relative_window(chunk.core, seen), inside)
+
+
 def measure_gray_levels(source: ChunkedSource, chunk: Chunk) -> ChunkGrayLevels:
     """Measure the gray levels of a chunk."""
     shape = source.shape
@@ -169,24 +186,17 @@ def measure_gray_levels(source: ChunkedSource, chunk: Chunk) -> ChunkGrayLevels:
     even = np.pad(values, ((0, rows * side - values.shape[0]), (0, cols * side - values.shape[1])), mode="edge")
     blocks = even.reshape(rows, side, cols, side).mean(axis=(1, 3))
     return ChunkGrayLevels(
-        float(values.min()), float(values.max()), values[::step, ::step].ravel(), values[first::few, left::few].ravel(),
+        measure_gray_ends(source, chunk), values[::step, ::step].ravel(), values[first::few, left::few].ravel(),
         blocks,
     )  # fmt: skip
-
-
-def fixed_scaling(shape: Extent, parameters: Parameters) -> GrayScaling | None:
-    """Return the scaling of gray levels where it depends on parameters alone; else None."""
-    if parameters.gamma != 1.0 or parameters.smoothing == "auto" or parameters.max_border > 0.0:
-        return None
-    return GrayScaling(0.0, 0.0, 1.0, float(parameters.smoothing), (0, 0, shape[0], shape[1]))
 
 
 def find_scaling(
     source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGrayLevels], parameters: Parameters
 ) -> GrayScaling:
     """Find the scaling of the gray levels of the whole image, from those of the chunks in the order of the grid."""
-    low, high = min(one.low for one in seen), max(one.high for one in seen)
-    sample = np.concatenate([one.sample for one in seen])
+    low, high = merge_gray_ends(one.ends for one in seen).usable
+    sample = limit_to_usable(np.concatenate([one.sample for one in seen]), (low, high))
     exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
     side, coarse, smoothing = find_block_side(grid.shape), _assemble_coarse_image(grid, seen), parameters.smoothing
     if smoothing == "auto":
@@ -208,14 +218,15 @@ def find_scaling(
 def build_parent_image(source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGrayLevels]) -> ParentImage:
     """Describe the image that objects are judged in, from the gray levels of the chunks in the order of the grid."""
     grays = measure_gray_range(np.concatenate([one.sparse_sample for one in seen]))
-    plain = GrayScaling(0.0, 0.0, 1.0, 0.0, (0, 0, 0, 0))
+    plain = GrayScaling(-math.inf, math.inf, 1.0, 0.0, (0, 0, 0, 0))
     return ParentImage(grid.shape, (0, 0), grays, _find_smoothing(source, _assemble_coarse_image(grid, seen), plain))
 
 
 def _assemble_coarse_image(grid: ChunkGrid, seen: Sequence[ChunkGrayLevels]) -> Array:
-    """Assemble the means of the blocks of the whole image, shape (rows, columns of blocks)."""
+    """Assemble the means of the blocks of the whole image, shape (rows, columns of blocks), without specks."""
     columns = grid.counts[1]
-    return np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
+    blocks = np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
+    return limit_specks(blocks)
 
 
 def _find_smoothing(source: ChunkedSource, coarse: Array, tone: GrayScaling) -> float:

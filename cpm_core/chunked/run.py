@@ -176,12 +176,10 @@ def survey_image(task: ChunkedTask, compute: Compute, side: int) -> tuple[ChunkG
     if task.store.has_file(STATISTICS_FILE):
         whole = image_statistics.ImageStatistics.from_arrays(task.store.load(STATISTICS_FILE), shape)
         return build_grid(shape, parameters, whole.scaling.smoothing, side), whole
-    tone, frame = image_statistics.fixed_scaling(shape, parameters), None
-    if tone is None or task.objects:
-        plain = ChunkGrid(shape, side, 0, 0.0)
-        gray = sort_results(compute(partial(image_statistics.measure_gray_levels, source), plain.chunks, "gray levels"))
-        tone = tone or image_statistics.find_scaling(source, plain, gray, parameters)
-        frame = image_statistics.build_parent_image(source, plain, gray) if task.objects else None
+    plain = ChunkGrid(shape, side, 0, 0.0)
+    gray = sort_results(compute(partial(image_statistics.measure_gray_levels, source), plain.chunks, "gray levels"))
+    tone = image_statistics.find_scaling(source, plain, gray, parameters)
+    frame = image_statistics.build_parent_image(source, plain, gray) if task.objects else None
     grid = build_grid(shape, parameters, tone.smoothing, side)
     work = partial(image_statistics.measure_edges, source, tone=tone, parameters=parameters)
     whole = image_statistics.combine_statistics(

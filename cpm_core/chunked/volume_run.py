@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 
 from cpm_core.chunked.grid import Chunk, ChunkGrid, disturbed_margin
-from cpm_core.chunked.image_statistics import ChunkEdges, GrayScaling, ImageStatistics, find_sample_spacing
+from cpm_core.chunked.image_statistics import (
+    ChunkEdges,
+    GrayScaling,
+    ImageStatistics,
+    find_sample_spacing,
+    measure_gray_ends,
+)
 from cpm_core.chunked.run import STATISTICS_FILE, ChunkedTask, Compute, chunk_file_name, map_chunks, sort_results
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume_edges import VolumeSlopes
@@ -22,6 +28,7 @@ from cpm_core.field.volume_field import (
     smooth_volume,
     weakest_volume_edge,
 )
+from cpm_core.image.gray_levels import merge_gray_ends
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import build_pyramid
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above
@@ -74,9 +81,9 @@ class ChunkedVolume:
 
     def smooth_chunk(self, chunk: Chunk) -> Single:
         """Smooth what a chunk sees of the volume, shape (P, R, C)."""
-        return smooth_volume(
-            self.task.source.read_values(chunk.padded), (self.statistics.scaling.smoothing / self.voxel_sides).tolist()
-        )
+        tone = self.statistics.scaling
+        values = tone.scale_grays(self.task.source.read_values(chunk.padded))
+        return smooth_volume(values, (tone.smoothing / self.voxel_sides).tolist())
 
     def load_particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[LocalThresholds, Array]:
         """Load the particles of a chunk and its neighbors within limits, each of shape (3,) [voxels].
@@ -115,11 +122,14 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
         known = task.store.load(STATISTICS_FILE)
         whole = ImageStatistics.from_arrays(known, source.shape)
         return ChunkedVolume(task, _build_volume_grid(task, whole.scaling.smoothing, side), whole), known["in_core"]
+    plain = ChunkGrid(source.shape, side, 0, 0.0).chunks
+    ends = compute(partial(measure_gray_ends, source), plain, "gray levels")
+    low, high = merge_gray_ends(found for _, found in ends).usable
     looked: dict[float, list[ChunkEdges]] = {}
 
     def measure_edges(sigma: float, scale: int = 0) -> SmoothedVolume:
         if sigma not in looked:
-            work = partial(_measure_chunk_edges, task, sigma)
+            work = partial(_measure_chunk_edges, task, GrayScaling(low, high, 1.0, sigma, ()))
             looked[sigma] = sort_results(compute(work, _build_volume_grid(task, sigma, side).chunks, "edges"))
         background = noise_strength(np.concatenate([one.samples[scale] for one in looked[sigma]]))
         strongest = max(one.strongest[scale] for one in looked[sigma])
@@ -132,7 +142,7 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
         raise ValueError("The volume is the same everywhere and has no edges: open a volume with objects.")
     floors = [weakest_volume_edge(one.strongest, one.background, parameters.edge_floor)[0] for one in scales]
     whole = ImageStatistics(
-        GrayScaling(0.0, 0.0, 1.0, sigma, ()), tuple(one.strongest for one in scales), tuple(floors)
+        GrayScaling(low, high, 1.0, sigma, ()), tuple(one.strongest for one in scales), tuple(floors)
     )
     in_core = np.array([one.strongest[0] for one in looked[sigma]])
     task.store.save(STATISTICS_FILE, in_core=in_core, **whole.arrays)
@@ -145,13 +155,14 @@ def _build_volume_grid(task: ChunkedTask, smoothing: float, side: int) -> ChunkG
     return ChunkGrid(task.source.shape, side, overlap, 0.0)
 
 
-def _measure_chunk_edges(task: ChunkedTask, sigma: float, chunk: Chunk) -> ChunkEdges:
+def _measure_chunk_edges(task: ChunkedTask, tone: GrayScaling, chunk: Chunk) -> ChunkEdges:
     """Measure the edges in the core of a chunk at each scale, after a Gaussian."""
     pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
     step = BACKGROUND_STRIDE * -(-find_sample_spacing(shape) // BACKGROUND_STRIDE)
-    for scale, values in enumerate(build_pyramid(task.source.read_values(chunk.padded), task.parameters.scales)):
+    seen = tone.scale_grays(task.source.read_values(chunk.padded))
+    for scale, values in enumerate(build_pyramid(seen, task.parameters.scales)):
         strength = VolumeSlopes.from_volume(
-            smooth_volume(values, [sigma / side for side in pitch]), pitch
+            smooth_volume(values, [tone.smoothing / side for side in pitch]), pitch
         ).edge_strengths()
         size = 2**scale
         own = relative_window(chunk.core, chunk.padded)
@@ -184,7 +195,7 @@ def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[LocalThresholds,
     """Run in what a chunk sees; return particles at rest on edges, normals away from bright, and their distances."""
     task, whole = volume.task, volume.statistics
     source, own = task.source, whole.scaling.adjust_parameters(task.parameters)
-    values = source.read_values(chunk.padded)
+    values = whole.scaling.scale_grays(source.read_values(chunk.padded))
     nothing = LocalThresholds(np.empty((0, 3)), np.empty(0), np.empty(0)), np.empty((0, 3)), np.empty(0)
     if values.min() == values.max():
         return nothing

@@ -25,7 +25,7 @@ from cpm_core.field.scale_field import (
 )
 from cpm_core.image.colors import LUMINANCE_CHOICE
 from cpm_core.image.denoising import DenoisedImage
-from cpm_core.image.gray_levels import apply_gamma
+from cpm_core.image.gray_levels import apply_gamma, limit_specks
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
@@ -65,6 +65,8 @@ class EdgeSource(NamedTuple):
 class SourceImages:
     """Images from which edges are taken at each scale, for any parameters; threads may share it.
 
+    A `part` of a larger image has gray levels that are limited already to those that count in the whole.
+
     Attributes
     ----------
     scales, shape : int, tuple of int
@@ -75,7 +77,7 @@ class SourceImages:
         Returns the `WindowGradient` of a source after its smoothing.
     """
 
-    def __init__(self, image: Image, scales: int) -> None:
+    def __init__(self, image: Image, scales: int, part: bool = False) -> None:
         check_scales(scales, image.shape)
         self.scales, self.shape = scales, image.shape
         lock = RLock()
@@ -90,7 +92,7 @@ class SourceImages:
                 raise ValueError(
                     f"The channel {channel} is the same everywhere and has no edges: choose another channel."
                 )
-            values = apply_gamma(given, gamma)
+            values = apply_gamma(given if part else limit_specks(given), gamma)
             if edges == "vessels":
                 values = compute_vesselness(values.astype(np.float64, copy=False))
             return build_pyramid(values, scales)

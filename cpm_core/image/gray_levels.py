@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from collections.abc import Iterable
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import run_in_bands
-from cpm_core.numerics.types import Array, Mask, Numbers
+from cpm_core.numerics.grids import Window, run_in_bands, whole_window
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers
 
 NO_DATA_VALUE = float(np.finfo(np.float64).min)
 """Gray level with which a reader marks pixels without data."""
@@ -101,6 +102,114 @@ def _spread_known_values(values: Array, known: Mask) -> Array:
     coarse = _spread_known_values(total / np.maximum(weight, 1.0), weight > 0.0)
     between = skimage.transform.resize(coarse, values.shape, order=1, mode="edge", anti_aliasing=False)  # type: ignore[no-untyped-call]
     return np.where(known, values, between)
+
+
+SPECK_REACH = 2
+"""Distance of the pixels around a pixel that a speck on it, of up to three pixels a side, does not cover [px]."""
+
+_RIM_WIDTH = 3
+"""Width of the rim of an image that does not decide on its gray levels [px]."""
+
+_MIN_SIDE_WITH_RIM = 32
+"""Length of an axis from which an image may have a rim at its ends [px]."""
+
+_EXAMINED_AT_ONCE = 4096
+"""Number of the brightest pixels that are examined together."""
+
+
+class GrayEnds(NamedTuple):
+    """Least and largest gray level of an image, and of what is no speck in it; see `find_gray_ends`."""
+
+    darkest: float
+    dark: float
+    bright: float
+    brightest: float
+
+    @property
+    def usable(self) -> tuple[float, float]:
+        """The least and the largest gray level that count; those of specks only as far as they change little."""
+        span = self.bright - self.dark
+        if span <= 0.0:  # there is nothing but specks
+            return self.darkest, self.brightest
+        return (
+            self.darkest if self.darkest >= self.dark - span else self.dark,
+            self.brightest if self.brightest <= self.bright + span else self.bright,
+        )
+
+
+def find_gray_ends(values: Array, part: Window | None = None, inside: Window | None = None) -> GrayEnds:
+    r"""Find the ends of the gray levels of an image, shape (\*shape), or of the pixels in a part of it.
+
+    A hot or dead pixel of a camera, a cosmic ray or the rim of a scan would decide which edges are strong. What is no
+    speck lies `inside` the rim, and has a gray level in common with at least two of the pixels two apart, as any line
+    has that passes through.
+    """
+    part, inside = part or whole_window(values.shape), inside or find_inside_rim(values.shape)
+    own, flip = values[part], np.negative if values.dtype.kind == "f" else np.invert
+    within = tuple(
+        slice(start := max(here.start, free.start), max(min(here.stop, free.stop), start))
+        for here, free in zip(part, inside, strict=True)
+    )
+    dark, bright = math.inf, -math.inf
+    if values[within].size:
+        dark = float(flip(_find_bright_end(flip(values), within, inside)))
+        bright = float(_find_bright_end(values, within, inside))
+    return GrayEnds(float(own.min()), dark, bright, float(own.max()))
+
+
+def find_inside_rim(shape: Extent) -> Window:
+    """Return the window of an image of this shape without the pixels next to its border, along its long axes."""
+    rims = [_RIM_WIDTH if n >= _MIN_SIDE_WITH_RIM else 0 for n in shape]
+    return tuple(slice(rim, n - rim) for rim, n in zip(rims, shape, strict=True))
+
+
+def merge_gray_ends(parts: Iterable[GrayEnds]) -> GrayEnds:
+    """Merge the ends of the gray levels of all parts of an image to those of the whole."""
+    darkest, dark, bright, brightest = zip(*parts, strict=True)
+    return GrayEnds(min(darkest), min(dark), max(bright), max(brightest))
+
+
+def _find_bright_end(values: Array, part: Window, inside: Window) -> Any:
+    """Return the largest gray level in a part of an image of what is no speck."""
+    own = values[part]
+    bright, count = own.min(), _EXAMINED_AT_ONCE
+    # few pixels are brighter than the faintest of three in a row, of which the middle one can be no speck
+    line = own[..., ::SPECK_REACH]
+    if line.shape[-1] > SPECK_REACH:
+        bright = np.minimum(np.minimum(line[..., :-2], line[..., 2:]), line[..., 1:-1]).max()
+    rest = np.flatnonzero(own > bright)
+    while len(rest):
+        level = own.ravel()[rest]
+        first = np.argpartition(level, -min(count, len(rest)))[-count:]
+        places = np.stack(np.unravel_index(rest[first], own.shape), axis=1) + [side.start for side in part]
+        bright = max(bright, np.minimum(level[first], _second_largest_around(values, places, inside)).max())
+        rest = np.delete(rest, first)
+        rest, count = rest[own.ravel()[rest] > bright], 4 * count
+    return bright
+
+
+def _second_largest_around(values: Array, places: Index, inside: Window) -> Array:
+    """Return the second largest of the gray levels two pixels from places, shape (N, D), as shape (N,)."""
+    around = np.argwhere(np.ones((2 * SPECK_REACH + 1,) * values.ndim)) - SPECK_REACH
+    at = places[:, None] + around[np.abs(around).max(axis=1) == SPECK_REACH]
+    low, end = np.array([(side.start, side.stop) for side in inside]).T
+    known = ((at >= low) & (at < end)).all(axis=-1)
+    levels = values[tuple(np.moveaxis(np.where(known[..., None], at, places[:, None]), -1, 0))]
+    return np.partition(np.where(known, levels, levels.min()), -2, axis=1)[:, -2]
+
+
+def limit_to_usable(values: Array, ends: tuple[float, float]) -> Array:
+    r"""Limit gray levels, shape (\*shape), to those that count, `GrayEnds.usable`."""
+    low, high = (values.dtype.type(end) for end in ends)
+    return values if values.min() >= low and values.max() <= high else np.clip(values, low, high)
+
+
+def limit_specks(values: Array) -> Array:
+    r"""Limit the gray levels of an image, shape (\*shape), so that no speck decides which edges are strong.
+
+    Specks of up to three pixels a side that differ from all else by more than all else spans are limited to that span.
+    """
+    return limit_to_usable(values, find_gray_ends(values).usable)
 
 
 _LOW_PERCENTILE = 0.1

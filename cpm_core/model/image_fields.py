@@ -88,7 +88,7 @@ class ImageFields:
         check_field_memory(shape, _MIN_BYTES_PER_PIXEL[len(shape)], self.image.source)
         self.scales = parameters.scales
         self._pitch: Any = pitch_of(self.image.spacing) if len(shape) == 3 else (1.0, 1.0)
-        self._sources = SourceImages(self.image, parameters.scales)
+        self._sources = SourceImages(self.image, parameters.scales, part=measured is not None)
         self._latest = parameters
         self._set_regions(regions)
         if len(shape) == 3:

@@ -10,9 +10,10 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.electric_field import electric_field
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
+from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.polyline import lengths_along, points_at_lengths
-from cpm_core.numerics.real_numbers import as_real_array, check_finite_number
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values
 from cpm_core.numerics.types import Array, Extent, Mask, Position
 from cpm_core.parameters.formatting import quote_value
 
@@ -189,7 +190,7 @@ def gradient_threshold(values: ArrayLike, fraction: float = STRONG_EDGE_FRACTION
     True
     """
     check_finite_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
-    return pixels_above(edge_map(values, smoothing), fraction)
+    return pixels_above(edge_map(limit_specks(check_image_values(values)), smoothing), fraction)
 
 
 def pixels_above(strength: Array, fraction: float, strongest: float | None = None) -> Array:

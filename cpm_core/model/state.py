@@ -260,8 +260,8 @@ class State(ABC):
         return replace(self, particles=self.particles.keep(~gone), erased=True)
 
     def resume(self) -> Self:
-        """Return this state as one that continues, so that other parameters can act on it."""
-        return replace(self, stop_reason="", converged=False, quiet=0)
+        """Return this state as one that continues, so that other parameters can act on it, or as many steps again."""
+        return replace(self, stop_reason="", converged=False, quiet=0, reactivated=self.step_of_scale)
 
     def stop(self, reason: str, converged: bool = False) -> Self:
         """Return this state as the last one of its run."""

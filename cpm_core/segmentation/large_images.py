@@ -8,6 +8,7 @@ import numpy as np
 
 from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS
+from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.pyramid import max_scales
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Extent, frozen
@@ -39,7 +40,7 @@ def large_image_settings(values: Array) -> LargeImageSettings | None:
     side = max(max(values.shape) // _COARSEST_SCALE_SIDE, 1)
     rows, cols = (n // side for n in values.shape)
     blocks = values[: rows * side, : cols * side].reshape(rows, side, cols, side).mean(axis=(1, 3))
-    part = values[strongest_edge_window(blocks, side, values.shape)]
+    part = values[strongest_edge_window(limit_specks(blocks), side, values.shape)]
     return LargeImageSettings(scales_for(values.shape), automatic_smoothing(part))
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 
 from cpm_core.field.edge_map import automatic_smoothing, edge_map
+from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.volume.starts import volume_edge_strength
@@ -39,7 +40,7 @@ class SeedCache:
 
         @lru_cache(1)  # dragging an area does not change the smoothing
         def edge_strength(sigma: float, channel: str) -> Array:
-            return volume_edge_strength(image, sigma) if volume else edge_map(gray(channel), sigma)
+            return volume_edge_strength(image, sigma) if volume else edge_map(limit_specks(gray(channel)), sigma)
 
         @lru_cache(_CACHED_STARTS)
         def find_seeds(start: ImageStart, sigma: float, channel: str) -> Array:

@@ -252,7 +252,7 @@ class Session(QObject):
     # Running
 
     def run(self) -> None:
-        """Continue the run; restart it if the shapes have changed, or if it has ended and no parameter has changed."""
+        """Continue the run; restart it if the shapes have changed, or if it is at rest and no parameter has changed."""
         if not self._can_run():
             return
         if self.status.phase != "running":
@@ -453,7 +453,7 @@ class Session(QObject):
 
     def _start_if_needed(self) -> None:
         status = self.status
-        over = status.phase == "finished" and not status.steered
+        over = status.phase == "finished" and not (status.steered or status.unfinished)
         if status.phase == "ready" or over or status.stale:
             self.store.generation = self._next_generation()
             self.run_updater.begin_run(self.store.generation, self.document)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import pitch_of, smooth_volume
+from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.image import Image, as_image
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, field_divergence_centers, pixels_above, uniform_grid
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_three_numbers, check_voxel_sides
@@ -207,8 +208,8 @@ def seeds_on_strong_edges(
 def volume_edge_strength(volume: Image, smoothing: float) -> Array:
     """Return the edge strength of every voxel, shape (P, R, C); `smoothing` as for `seeds_on_strong_edges`."""
     pitch = pitch_of(volume.spacing)
-    slopes = VolumeSlopes.from_volume(smooth_volume(volume.values, [smoothing / side for side in pitch]), pitch)
-    return slopes.edge_strengths().astype(float)
+    smoothed = smooth_volume(limit_specks(volume.values), [smoothing / side for side in pitch])
+    return VolumeSlopes.from_volume(smoothed, pitch).edge_strengths().astype(float)
 
 
 def seeds_at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:

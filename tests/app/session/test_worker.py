@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -24,9 +24,19 @@ from cpm_app.session.exchange.messages import (
     Snapshot,
 )
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_app.session.worker.commands import call_run, compile_kernels, find_seeds, start_run, write_files
+from cpm_app.session.worker.commands import (
+    WorkerCommand,
+    call_run,
+    compile_kernels,
+    find_seeds,
+    start_run,
+    write_files,
+)
+from cpm_app.session.worker.requests import go_to_step
 from cpm_app.session.worker.run import Run
 from cpm_app.session.worker.worker_thread import WorkerThread
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from cpm_core import Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
@@ -98,7 +108,7 @@ class FakeEngine:
         self.made.append(self)
         self.charges: list[tuple[PlacedCharge, ...]] = []
         self.states: list[FakeState] = []
-        self.last_step = 10**9
+        self.last_step, self.unfinished = 10**9, False
         self.gate = threading.Event()
         self.gate.set()
         self.reconstructing = threading.Event()
@@ -109,7 +119,9 @@ class FakeEngine:
         return FakeState()
 
     def with_regions(self, regions: Regions | None) -> FakeEngine:
-        return FakeEngine(self.image, self.of, regions, self.made)
+        other = FakeEngine(self.image, self.of, regions, self.made)
+        other.last_step = self.last_step
+        return other
 
     def step(self, state: FakeState, parameters: Parameters, charges: tuple[PlacedCharge, ...] = ()) -> FakeState:
         assert self.gate.wait(20)
@@ -122,6 +134,7 @@ class FakeEngine:
             step=state.step + 1,
             betas=(*state.betas, parameters.beta),
             stop_reason=reason,
+            converged=bool(reason) and not self.unfinished,
             steering=parameters.steering,
         )
         self.states.append(following)
@@ -217,6 +230,7 @@ class Bench:
             snapshot = self.worker_thread.run.snapshots.take()
             if snapshot is not None:
                 newest.append(snapshot)
+            self.worker_thread.run.overlays.take()
             self.take_contours()
             self.take()
             return self.worker_thread.idle
@@ -277,6 +291,20 @@ def test_a_stopped_run_goes_on_with_other_parameters(bench: Bench) -> None:
     assert [state.betas[-1] for state in engine.states] == [0.8, 0.8, 0.8, 1.5]
 
 
+def test_a_run_that_ended_before_it_came_to_rest_goes_on_from_there(bench: Bench) -> None:
+    engine = bench.open()
+    engine.last_step, engine.unfinished = 3, True
+    bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
+    assert bench.settle().state.stop_reason
+    engine.last_step, engine.unfinished = 7, False
+    bench.worker_thread.post_command(call_run(2, Run.take_steps))
+    snapshot = bench.settle()
+    assert (snapshot.state.step, snapshot.state.converged) == (7, True)
+    assert len(snapshot.timeline.branches) == 1
+    assert len(engine.states) == 7
+
+
 def test_what_was_meant_for_another_image_or_run_is_not_obeyed(bench: Bench) -> None:
     engine = bench.open(generation=5)
     bench.worker_thread.post_command(start_run(6, 4, DOCUMENT))
@@ -311,15 +339,9 @@ def test_limits_go_to_another_engine_at_the_next_start_and_stay_until_they_chang
 def test_placed_charges_act_at_the_next_step_and_of_many_moves_the_last_wins(bench: Bench) -> None:
     engine = bench.open()
     bench.worker_thread.post_command(start_run(2, 1, DOCUMENT))
-    bench.settle()
-    bench.hold = threading.Event()
-    bench.worker_thread.post_command(compile_kernels())
     charges = [(PlacedCharge((1.0, float(col)), 1.0),) for col in range(9)]
-    for placed in charges:
-        bench.worker_thread.post_command(call_run(None, Run.set_charges, 1, placed))
-    bench.worker_thread.post_command(call_run(2, Run.take_steps, 1))
-    bench.hold.set()
-    bench.settle()
+    moves = [call_run(None, Run.set_charges, 1, placed) for placed in charges]
+    while_busy(bench, (*moves, call_run(2, Run.take_steps, 1)))
     bench.worker_thread.post_command(call_run(None, Run.set_charges, 1, ()))
     bench.worker_thread.post_command(call_run(None, Run.set_charges, 0, charges[3]))
     bench.worker_thread.post_command(call_run(None, Run.set_charges, 1, ()))
@@ -349,18 +371,73 @@ def test_a_run_that_has_ended_goes_on_when_a_charge_is_placed_and_a_halted_one_d
 
 def test_of_many_wishes_for_places_to_start_from_only_the_last_is_worked_out(bench: Bench) -> None:
     bench.open()
-    bench.settle()
-    engine_is_busy = threading.Event()
-    bench.hold = engine_is_busy
-    bench.worker_thread.post_command(compile_kernels())
     documents = [edits.toggle_everywhere(replace(DOCUMENT, parameters=Parameters(smoothing=s)), "grid") for s in (1, 2)]
-    for document in (*documents, *documents):
-        bench.worker_thread.post_command(find_seeds(1, document))
-    engine_is_busy.set()
-    bench.settle()
+    while_busy(bench, (find_seeds(1, document) for document in (*documents, *documents)))
     (found,) = [report for report in bench.reports if isinstance(report, SeedsFound)]
     assert found.generation == 1
     np.testing.assert_array_equal(found.image_seeds[Everywhere("grid")], uniform_grid((64, 64)))
+
+
+def while_busy(bench: Bench, commands: Iterable[WorkerCommand]) -> None:
+    """Post commands that all wait before the first of them is executed."""
+    bench.settle()
+    bench.hold = threading.Event()
+    bench.worker_thread.post_command(compile_kernels())
+    for command in commands:
+        bench.worker_thread.post_command(command)
+    bench.hold.set()
+    bench.settle()
+
+
+def test_of_sixty_moves_of_a_slider_only_the_last_is_executed_and_drawn(bench: Bench, monkeypatch) -> None:
+    engine, drawn, used = bench.open(), [], []
+    engine.edge_map = lambda parameters: drawn.append(parameters.smoothing) or np.eye(64)
+    bench.worker_thread.post_command(call_run(None, Run.set_overlays, frozenset({"edge_map"})))
+    bench.settle()
+    drawn.clear()
+    monkeypatch.setattr(Run, "reconstruct_if_halted", lambda run: used.append(run.parameters.smoothing))
+    moves = [Parameters(smoothing=0.05 * k) for k in range(1, 61)]
+    seeded = edits.toggle_everywhere(DOCUMENT, "grid")  # whose seeds are looked for after each move
+    while_busy(
+        bench,
+        (
+            command
+            for move in moves
+            for command in (call_run(None, Run.set_parameters, move), find_seeds(1, replace(seeded, parameters=move)))
+        ),
+    )
+    assert used == drawn == [3.0]
+
+
+@given(st.lists(st.integers(0, 9), min_size=2, max_size=24))
+@settings(max_examples=25, deadline=None)
+def test_commands_that_are_left_out_change_nothing(picked: list[int]) -> None:
+    def make(number: int, choice: int) -> WorkerCommand:
+        placed = (PlacedCharge((1.0, float(number)), 1.0),)
+        makers = (
+            lambda: call_run(None, Run.set_parameters, Parameters(beta=0.1 + 0.01 * number)),
+            lambda: call_run(None, Run.set_parameters, Parameters(beta=1.0)),
+            lambda: call_run(None, Run.set_charges, 1, placed),
+            lambda: call_run(2, Run.set_regions, Regions(barriers=(((1.0, 1.0), (1.0, number + 2.0)),))),
+            lambda: call_run(2, Run.take_steps, 1),
+            lambda: call_run(2, Run.take_steps, 2),
+            lambda: call_run(None, Run.halt),
+            lambda: start_run(2, 1, replace(DOCUMENT, parameters=Parameters(beta=0.5 + 0.01 * number))),
+            lambda: go_to_step(2, 0, 1, lambda: True),
+            lambda: find_seeds(1, DOCUMENT),
+        )
+        return makers[choice]()
+
+    ends = []
+    for every in (True, False):
+        bench = Bench()
+        bench.run_to_the_end(2)
+        commands = [make(number, choice) for number, choice in enumerate(picked)]
+        while_busy(bench, (replace(command, kind=None) if every else command for command in commands))
+        run = bench.worker_thread.run
+        ends.append((run.parameters, run.charges, run.method.regions, run.state.betas, run.timeline.current_step))
+        bench.worker_thread.close()
+    assert ends[0] == ends[1]
 
 
 def test_an_engine_that_fails_is_reported_in_a_sentence_and_the_worker_lives(bench: Bench, caplog) -> None:

@@ -128,6 +128,26 @@ def test_what_depends_on_the_whole_image_is_that_of_a_run_in_one_piece(source, t
         assert whole.floor[scale] == pytest.approx(field.floor, rel=3e-2 if scale else 1e-6)
 
 
+def test_hot_pixels_at_a_seam_and_a_bright_rim_count_as_little_as_in_one_piece(source, tmp_path):
+    values = np.pad(picture()[2:-2, 2:-2].astype(np.uint16), 2, constant_values=65535)
+    values[127:129, 128], values[60, 64], values[200, 300] = 65535, 40000, 0
+    path = tmp_path / "hot.zarr"
+    ome_zarr.create_multiscale(path, values.shape, values.dtype, SIDE, (0.5, 0.5), "µm")
+    ome_zarr.write_window(path, 0, np.s_[:, :], values)
+    hot = grids.ChunkedSource(path, Reading())
+    image, plain = cpm.load_image(path), cpm.Engine(cpm.load_image(source.path), PARAMETERS).scale_field(PARAMETERS)
+    for name, parameters in (("plain", PARAMETERS), ("gamma", cpm.Parameters(gamma=0.5, smoothing=1.5, scales=1))):
+        (tmp_path / name).mkdir()
+        _, whole = survey_image(ChunkedTask(hot, parameters, "grid", RunStore(tmp_path / name)), serial, SIDE)
+        field = cpm.Engine(image, parameters).scale_field(parameters)
+        assert whole.strongest[0] == pytest.approx(field.strongest, rel=1e-9)
+    assert cpm.Engine(image, PARAMETERS).scale_field(PARAMETERS).strongest == pytest.approx(plain.strongest, rel=0.5)
+    one = cpm.segment(image, cpm.uniform_grid(image.shape), PARAMETERS).contours
+    several = contours_of(found_in(hot, tmp_path))
+    assert sorted(round(c.length) for c in several) == sorted(round(c.length) for c in one)
+    assert sum(contour.area > 100 for contour in several) >= 9
+
+
 def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, tmp_path):
     done = []
 

@@ -11,6 +11,7 @@ from cpm_core.chunked import grid as grids
 from cpm_core.chunked import results, volume_results
 from cpm_core.chunked.run import ChunkedTask
 from cpm_core.chunked.store import RunStore
+from cpm_core.chunked.volume_run import run_particles
 from cpm_core.chunked.volume_surface import run_volume
 from cpm_core.contours.surface_agreement import sample_triangles
 from cpm_core.formats.images import ome_zarr
@@ -155,3 +156,15 @@ def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, found, 
     same = found_in(source, tmp_path, compute=continued)
     assert again == [("necks", 7), ("bodies", 3), ("bodies", 6)]
     assert (same.body_of_part == found.body_of_part).all()
+
+
+def test_a_hot_voxel_counts_as_little_as_in_one_piece(tmp_path):
+    values = np.random.default_rng(0).normal(100.0, 2.0, (40, 72, 72))
+    values[10:30, 20:50, 20:50] += 80.0
+    values[8, 64, 33], values[20, 5, 5] = 6e4, -6e4
+    (tmp_path / "chunks").mkdir()
+    hot = write(tmp_path / "hot.zarr", values.astype(np.float32))
+    volume, _ = run_particles(ChunkedTask(hot, PARAMETERS, "grid", RunStore(tmp_path / "chunks")), serial, SIDE)
+    field = cpm.Engine(cpm.load_volume(hot.path), PARAMETERS).scale_field(PARAMETERS)
+    assert volume.statistics.strongest[0] == pytest.approx(field.strongest, rel=1e-6)
+    assert field.strongest < 200.0

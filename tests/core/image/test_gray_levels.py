@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.image.gray_levels import NO_DATA_VALUE, make_usable
+from cpm_core.image.gray_levels import NO_DATA_VALUE, find_gray_ends, limit_specks, make_usable, merge_gray_ends
 from cpm_core.image.image import Image
 
 ROW, COL = np.mgrid[:48, :48]
@@ -65,3 +65,84 @@ def test_what_is_filled_lies_between_the_known_levels(seed, share, shape):
     assert values[~absent].min() - 1e-9 <= found.min() <= found.max() <= values[~absent].max() + 1e-9
     (note,) = notes
     assert note.startswith(f"{absent.sum()} pixel{' has' if absent.sum() == 1 else 's have'} ")
+
+
+def soft_disk(side=72, radius=16.0, noise=4.0):
+    row, col = np.indices((side, side))
+    away = np.hypot(row - 36, col - 36)
+    return (
+        300.0 + 120.0 / (1.0 + np.exp(2.0 * (away - radius))) + np.random.default_rng(1).normal(0.0, noise, away.shape)
+    )
+
+
+def area_found(values, seeds, smoothing):
+    found = cpm.segment(values, seeds, cpm.Parameters(smoothing=smoothing)).contours
+    return max((contour.area for contour in found if contour.closed), default=0.0)
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    seed=st.integers(0, 2**16),
+    count=st.integers(1, 10),
+    level=st.sampled_from([-1e6, 0.0, 700.0, 2e3, 65535.0, 1e6]),
+    size=st.integers(1, 2),
+    smoothing=st.sampled_from([1.0, 2.0, 3.0, 4.0]),
+    grid=st.booleans(),
+)
+def test_hot_and_dead_pixels_hide_no_object(seed, count, level, size, smoothing, grid):
+    values, rng = soft_disk(), np.random.default_rng(seed)
+    seeds = cpm.uniform_grid(values.shape) if grid else cpm.circle((36, 36), 8)
+    wanted = area_found(values, seeds, smoothing)
+    for row, col in rng.integers(0, 71, (count, 2)):
+        away = np.hypot(row - 36, col - 36)
+        if abs(away - 16) > 3 * smoothing + 4:  # on the boundary it would be one of its dents
+            values[row : row + size, col : col + size] = level
+    assert area_found(values, seeds, smoothing) == pytest.approx(wanted, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        DISK,
+        soft_disk(),
+        np.where((ROW == 20) & (COL > 5) & (COL < 15), 200.0, 50.0),  # a short line of one pixel
+        np.where(ROW == COL, 65535, np.random.default_rng(0).integers(0, 9, ROW.shape)).astype(np.uint16),
+        np.where((ROW == 7) & (COL == 9), 200.0, 50.0),  # nothing but a speck
+        np.indices((8, 8)).sum(axis=0) % 2,
+        soft_disk()[None].repeat(5, axis=0),
+    ],
+)
+def test_what_is_no_speck_keeps_its_gray_levels(values):
+    assert limit_specks(values) is values
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.int16, np.uint16, np.float32, np.float64])
+@pytest.mark.parametrize("shape", [(40, 50), (12, 14, 16)])
+def test_specks_are_limited_in_any_type_and_also_at_the_border(kind, shape):
+    values = np.random.default_rng(2).integers(20, 30, shape).astype(kind)
+    for corner in (0, -1):
+        one = values.copy()
+        one[(corner,) * len(shape)], one[(5,) * len(shape)] = 125, 0
+        limited = limit_specks(one)
+        assert limited.dtype == kind
+        assert (limited.min(), limited.max()) == (20, 29)
+        assert np.array_equal(limited, np.clip(one, 20, 29))
+
+
+@pytest.mark.parametrize("width", [1, 3])
+@pytest.mark.parametrize("grid", [False, True])
+def test_a_bright_rim_hides_no_object(width, grid):
+    values = soft_disk()
+    seeds = cpm.uniform_grid(values.shape) if grid else cpm.circle((36, 36), 8)
+    rim = np.pad(values[width:-width, width:-width], width, constant_values=65535.0)
+    inside = [one for one in cpm.segment(rim, seeds).contours if one.closed and one.points.min() > 8]
+    assert max(one.area for one in inside) == pytest.approx(area_found(values, seeds, 1.0), rel=0.03)
+
+
+def test_parts_of_an_image_give_the_ends_of_the_whole():
+    values = soft_disk()
+    values[31:33, 32], values[10, 50], values[:2], values[4, 9] = 65535.0, -9.0, 2e5, 9e5
+    parts = [np.s_[at : at + 24, left : left + 36] for at in (0, 24, 48) for left in (0, 36)]
+    whole = find_gray_ends(values)
+    assert merge_gray_ends(find_gray_ends(values, part) for part in parts) == whole
+    assert whole.usable == (whole.dark, whole.bright)

@@ -96,7 +96,7 @@ def format_pace(pace: float | None) -> str:
 def _label_run_action(status: RunStatus) -> str:
     if status.phase == "running":
         return tr("Pause")
-    if (status.phase == "paused" or status.steered) and not status.stale:
+    if (status.phase == "paused" or status.steered or status.unfinished) and not status.stale:
         return tr("Resume")
     return tr("Run again") if status.started else tr("Run")
 

@@ -78,6 +78,11 @@ class RunStatus:
         return self.phase in ("running", "paused", "finished")
 
     @property
+    def unfinished(self) -> bool:
+        """Whether the run has ended before its particles came to rest, so that it can be continued."""
+        return self.phase == "finished" and not self.converged and self.count > 0
+
+    @property
     def has_particles(self) -> bool:
         """Whether particles have been shown; before the very first run the kernels may have to be compiled."""
         return self.started and (self.step > 0 or self.count > 0)
@@ -138,10 +143,10 @@ def has_contours(situation: Situation) -> bool:
 def can_step(situation: Situation) -> bool:
     """Tell whether a single step can be taken.
 
-    It cannot during a run, nor after the end of a run for which nothing has changed.
+    It cannot during a run, nor after one that has come to rest and for which nothing has changed.
     """
     status = situation.status
-    over = status.phase == "finished" and not (status.stale or status.steered)
+    over = status.phase == "finished" and not (status.stale or status.steered or status.unfinished)
     return has_image(situation) and status.phase != "running" and not over
 
 

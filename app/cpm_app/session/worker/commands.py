@@ -43,6 +43,9 @@ from cpm_core.shapes import NO_SEEDS
 
 RunArguments = ParamSpec("RunArguments")
 
+_SETTING_METHODS = (Run.set_parameters, Run.set_charges, Run.set_regions, Run.set_hand_edits)
+"""Methods that replace what an earlier call has set."""
+
 _TIMELINE_CHANGING_METHODS = (Run.discard_state, Run.rename_branch, Run.remove_branch, Run.set_timeline_budget)
 """Methods that change the timeline even while no run is shown."""
 
@@ -80,7 +83,8 @@ class WorkerCommand:
     activity : str
         Description of the work that follows "while" in an error message.
     kind : object
-        Only the newest posted command of a kind is executed, for example while a slider is moved; if None, every one.
+        Of the commands of a kind that wait, only the newest is executed, for example while a slider is moved, unless
+        one whose kind is None is between them; those are all executed.
     failure_report : callable
         Makes the report for a failure from an error message.
     """
@@ -103,8 +107,8 @@ def call_run(
 ) -> WorkerCommand:
     """Call a method of the run, unless the run of this `generation` has been replaced by then; None is any run.
 
-    A method that returns True has continued a run that had ended, which is reported. Of successive placed charges,
-    regions and manual edits only the newest is used.
+    A method that returns True has continued a run that had ended, which is reported. Of successive parameters, placed
+    charges, regions and manual edits only the newest is used.
     """
 
     def call_method(context: CommandContext) -> None:
@@ -116,8 +120,7 @@ def call_run(
         if run.state is None and method in _TIMELINE_CHANGING_METHODS:
             context.report(RunsKept(run.generation, run.timeline.timeline_state))
 
-    kind = method if method in (Run.set_charges, Run.set_regions, Run.set_hand_edits) else None
-    return WorkerCommand(call_method, tr("changing the run"), kind)
+    return WorkerCommand(call_method, tr("changing the run"), method if method in _SETTING_METHODS else None)
 
 
 def start_run(generation: int, image_generation: int, document: Document) -> WorkerCommand:

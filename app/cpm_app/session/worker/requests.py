@@ -29,7 +29,7 @@ def go_to_step(generation: int, branch: int, step: int, is_wanted: Callable[[], 
         if generation == context.run.generation:
             context.run.go_to(branch, step, lambda: is_wanted() and not context.closing())
 
-    return WorkerCommand(go_if_current, tr("going to another step"), "seek")
+    return WorkerCommand(go_if_current, tr("going to another step"))
 
 
 FORCE_NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")

@@ -13,7 +13,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import ContourTracker
 from cpm_app.session.exchange.mailbox import Mailbox, Pacer
-from cpm_app.session.exchange.messages import Overlays, Reconstruction, Snapshot, explain_failure
+from cpm_app.session.exchange.messages import OverlayData, Overlays, Reconstruction, Snapshot, explain_failure
 from cpm_app.session.timeline.stored_runs import StoredRuns
 from cpm_app.session.timeline.timeline import Timeline
 from cpm_app.session.timeline.timeline_nodes import EraseAction, JoinAction, RunAction, StepAction
@@ -31,6 +31,9 @@ from cpm_core.shapes import ImageSeeds
 
 RESTING_SPEED = 0.1
 """Speed below which a particle is shown as at rest [px per unit of time]."""
+
+_NO_OVERLAY = ((), None, "")
+"""An overlay that has not been made yet."""
 
 
 class Run:
@@ -50,8 +53,8 @@ class Run:
         self.charges: tuple[PlacedCharge, ...] = ()
         self.hand_edits: tuple[HandEdit, ...] = ()
         self._prepared = prepared
-        self._overlaid: frozenset[str] = frozenset()
-        self._overlays_of: tuple[object, ...] = ()
+        self._overlays: dict[str, tuple[tuple[object, ...], OverlayData | None, str]] = {}
+        """What each requested overlay has been made of, the overlay, and the error; the one made last is the last."""
         self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
         self._tracker = ContourTracker()
         self._remaining = 0.0
@@ -67,14 +70,13 @@ class Run:
         self.image_generation = generation
         self._prepared.use_image(method)
         self.method, self.charges, self.parameters = method, (), parameters
-        self._refresh_overlays()
+        self._overlays = dict.fromkeys(self._overlays, _NO_OVERLAY)
 
     def change_pixel_size(self, image: Image, document: Document) -> None:
         """Use another pixel size from the next start on; an existing run keeps its own."""
         self._prepared.change_pixel_size(image)
         if self.state is None:
             self.method = self._prepared.method_for(document)
-            self._refresh_overlays()
 
     def start(self, generation: int, document: Document) -> None:
         """Start a run from the initialization and the mode of a document, without a step."""
@@ -84,7 +86,6 @@ class Run:
         seeds = self._prepared.compute_seeds(document)
         self.parameters, self.charges = document.parameters, document.charges
         self.method = self._prepared.method_for(document)
-        self._refresh_overlays()
         self.state = self.method.start(seeds)
         self.timeline.begin_run(self.state, document, generation)
         self._send_snapshot()
@@ -107,7 +108,6 @@ class Run:
     def set_parameters(self, parameters: Parameters) -> None:
         """Use these parameters from the next step on."""
         self.parameters = parameters
-        self._refresh_overlays()
         self.reconstruct_if_halted()
 
     def set_charges(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
@@ -115,7 +115,6 @@ class Run:
         if image_generation != self.image_generation:
             return False
         self.charges = charges
-        self._refresh_overlays()
         return self._resume_ended()
 
     def set_regions(self, regions: AnyRegions | None) -> bool:
@@ -124,7 +123,6 @@ class Run:
             return False
         self.method = self.method.with_regions(regions)
         self._prepared.keep_method(self.method)
-        self._refresh_overlays()
         return self._resume_ended()
 
     def add_particles(self, document: Document) -> bool:
@@ -168,8 +166,7 @@ class Run:
 
     def set_overlays(self, names: frozenset[str]) -> None:
         """Keep only these overlays up to date."""
-        self._overlaid, self._overlays_of = names, ()
-        self._refresh_overlays()
+        self._overlays = {name: self._overlays.get(name, _NO_OVERLAY) for name in names}
 
     def _resume_ended(self) -> bool:
         """Continue a run that has ended."""
@@ -179,20 +176,27 @@ class Run:
         self._send_snapshot()
         return self._step_without_limit()
 
-    def _refresh_overlays(self) -> None:
-        """Compute the requested overlays if they would differ from the last ones; without a method there are none."""
+    def refresh_overlay(self) -> bool:
+        """Compute one of the requested overlays that would differ from its last version; return whether there was one.
+
+        The one made longest ago comes first, so that all of them follow a slider that is moved.
+        """
         made_of = [getattr(self.parameters, name) for name in find_invalidating("field")]
-        key = (self.method, self._overlaid, self.charges, *made_of)
-        if self.method is None or not self._overlaid or key == self._overlays_of:
-            return
-        arrays, trouble = {}, ""
-        for name in self._overlaid:
-            try:
-                arrays[name] = compute_overlay(name, self.method, self.parameters, self.charges)
-            except Exception as error:  # the run does not depend on overlays
-                trouble = explain_failure(error, tr("preparing the overlays"))
-        self.overlays.put(Overlays(self.image_generation, arrays, trouble))
-        self._overlays_of = key
+        key = (self.method, self.charges, *made_of)
+        name = next((name for name, made in self._overlays.items() if made[0] != key), None)
+        if self.method is None or name is None:
+            return False
+        overlay, trouble = None, ""
+        try:
+            overlay = compute_overlay(name, self.method, self.parameters, self.charges)
+        except Exception as error:  # the run does not depend on overlays
+            trouble = explain_failure(error, tr("preparing the overlays"))
+        del self._overlays[name]
+        self._overlays[name] = key, overlay, trouble
+        arrays = {name: overlay for name, (_, overlay, _) in self._overlays.items() if overlay is not None}
+        troubles = (trouble for *_, trouble in self._overlays.values() if trouble)
+        self.overlays.put(Overlays(self.image_generation, arrays, next(troubles, "")))
+        return True
 
     # Steps
 
@@ -202,10 +206,11 @@ class Run:
         return self._remaining > 0
 
     def take_steps(self, steps: int | None = None) -> None:
-        """Take a number of steps, or all until `halt`; a run that has ended continues only with other parameters."""
+        """Take a number of steps, or all until `halt`; a run at rest continues only with other parameters."""
         if self.method is None or self.state is None:
             return
-        if self.state.stop_reason and self.state.steering != self.method.steering(self.parameters):
+        unfinished = self.state.count and not self.state.converged
+        if self.state.stop_reason and (unfinished or self.state.steering != self.method.steering(self.parameters)):
             self.state = self.state.resume()
         if not self.state.stop_reason:
             self._remaining = float("inf") if steps is None else self._remaining + steps
@@ -256,7 +261,7 @@ class Run:
         """Pause and go to another step of the timeline; if that is no longer wanted, only pause."""
         self._remaining = 0.0
         before = self.timeline.current_run
-        state = self.timeline.go_to(branch, step, is_wanted)
+        state = self.timeline.go_to(branch, step, is_wanted) if is_wanted() else None
         if state is not None:
             self._show_state(state, before)
 

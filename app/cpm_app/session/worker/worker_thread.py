@@ -15,6 +15,9 @@ from cpm_app.session.worker.commands import QUIT_COMMAND, CommandContext, Worker
 from cpm_app.session.worker.prepared_methods import PreparedMethods
 from cpm_app.session.worker.run import Run
 
+Due = tuple[WorkerCommand | None, dict[object, WorkerCommand]]
+"""A command, None for a step, and the newest of each kind among the commands that may change places with it."""
+
 IDLE_BEFORE_RELEASE = 1.0
 """Time without a command after which free memory is returned to the system [s]."""
 
@@ -29,7 +32,7 @@ class WorkerThread:
 
     def __init__(self, core: CoreFunctions | None = None) -> None:
         self._reports: deque[Report] = deque()
-        self._commands: queue.SimpleQueue[WorkerCommand] = queue.SimpleQueue()
+        self._commands: queue.SimpleQueue[Due] = queue.SimpleQueue()
         self._posted = 0
         self._executed = 0
         self._waiting = False
@@ -42,11 +45,16 @@ class WorkerThread:
         self._thread.start()
 
     def post_command(self, command: WorkerCommand) -> None:
-        """Send a command; only from the window's thread."""
+        """Send a command; only from the window's thread.
+
+        Of several of a kind that wait, only the newest is executed, unless one without a kind is between them: that one
+        may depend on what the earlier ones set, whereas commands of different kinds may change places.
+        """
         self._posted += 1
-        if command.kind is not None:
-            self._newest[command.kind] = command
-        self._commands.put(command)
+        if command.kind is None:
+            self._newest = {}
+        self._newest[command.kind] = command
+        self._commands.put((command, self._newest))
 
     def send_report(self, report: Report) -> None:
         """Send a report to the window, from any thread."""
@@ -76,11 +84,12 @@ class WorkerThread:
             self.run.reconstructor.close()
 
     def _run_loop(self) -> None:
-        while (command := self._next_command()) is not QUIT_COMMAND:
+        while (due := self._next_command())[0] is not QUIT_COMMAND:
+            command, newest = due
             try:
                 if command is None:
                     self.run.take_step()
-                elif command.kind is None or command is self._newest[command.kind]:
+                elif command is newest[command.kind]:
                     command.execute(self._context)
             except Exception as error:  # no error may end the thread
                 if command is None:
@@ -90,22 +99,24 @@ class WorkerThread:
                     self._reports.append(command.failure_report(explain_failure(error, command.activity)))
             self._executed += command is not None
 
-    def _next_command(self) -> WorkerCommand | None:
-        """Wait for the next command; None if a step is due before one arrives."""
+    def _next_command(self) -> Due:
+        """Wait for the next command, or until a step is due; overlays are made once no command waits."""
+        while self._commands.empty() and self.run.refresh_overlay():
+            pass
         if self.run.is_stepping:
             try:
                 wait = self.run.pacer.seconds_until_due()
                 return self._commands.get(timeout=wait) if wait > 0 else self._commands.get_nowait()
             except queue.Empty:
-                return None
+                return None, {}
         self._waiting = True
         try:
-            command = self._commands.get(timeout=IDLE_BEFORE_RELEASE)
+            due = self._commands.get(timeout=IDLE_BEFORE_RELEASE)
         except queue.Empty:
             release_free_memory()
-            command = self._commands.get()
+            due = self._commands.get()
         self._waiting = False
-        return command
+        return due
 
 
 def release_free_memory() -> None:

@@ -15,6 +15,7 @@ from PySide6.QtCore import Qt
 
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
+from cpm_core.model.state import State
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window
@@ -110,6 +111,29 @@ def test_a_run_at_rest_continues_with_changed_parameters(ready, hand) -> None:
     hand.wait(lambda: session.idle)
     assert session.store.generation == generation
     assert session.status.count < count
+    assert ready.actions_by_name["run"].text() == "Run again"
+
+
+def test_a_run_that_ended_before_it_came_to_rest_goes_on_on_the_same_timeline(ready, hand, monkeypatch) -> None:
+    session, step = ready.session, Engine.step
+
+    def step_to_limit(engine: Engine, state: State, *given: object) -> State:
+        after = step(engine, state, *given)
+        return after.stop("not at rest after 9 steps") if after.step == 9 else after
+
+    monkeypatch.setattr(Engine, "step", step_to_limit)
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    generation = session.store.generation
+    assert session.status.step == 9
+    assert ready.actions_by_name["run"].text() == "Resume"
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: session.status.converged)
+    hand.wait(lambda: session.idle)
+    assert session.store.generation == generation
+    assert len(session.scene.snapshot.timeline.branches) == 1
+    assert session.status.step > 9
     assert ready.actions_by_name["run"].text() == "Run again"
 
 
