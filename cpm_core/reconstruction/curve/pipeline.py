@@ -33,6 +33,14 @@ _LONGEST_SPUR = 3.0
 _JUNCTION_MERGE_DISTANCE = 1.0
 """Distance up to which junctions are merged, at least sigma [px]; the mouths of slits are wider."""
 
+_LEAST_APPARENT_WIDTH = 2.0
+"""Least distance at which the two sides of a slit or a limb appear after smoothing, in sigma: contours that pass each
+other nearer cross there, as at an X."""
+
+_WIDEST_SLIT_MOUTH = 2.5
+"""Greatest length, in sigma, of links across the mouths of slits that smoothing closes; sides farther apart have
+none."""
+
 _BRIDGE_SPACING = 2.0
 """Largest distance between the vertices of a bridge [px]."""
 
@@ -78,14 +86,11 @@ def find_contours(
         graph.drop_spurs(_LONGEST_SPUR * parameters.d_min)
     if parameters.max_gap == 0.0:  # else a short branch may be one side of a gap
         graph.drop_spurs(max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length))
-    graph.drop_junction_links(least_contour_length(scale_field.smoothing, parameters))
+    graph.drop_junction_links(_WIDEST_SLIT_MOUTH * scale_field.smoothing)
+    graph.merge_passes(_LEAST_APPARENT_WIDTH * scale_field.smoothing)
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
     bridges = bridge_gaps(graph, scale_field, parameters.max_gap, spacing, MIN_LENGTH_IN_SPACINGS * parameters.d_min)
-    contours = select_contours(
-        graph.extract_contours(max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length)),
-        scale_field,
-        parameters,
-    )
+    contours = select_contours(graph.extract_contours(), scale_field, parameters)
     return contours, select_bridges_on(bridges, contours)
 
 
