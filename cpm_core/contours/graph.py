@@ -15,7 +15,6 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.polyline import lengths_along, path_length, repeat_indices
 from cpm_core.numerics.types import Array, Index, Mask, record
 
-
 _MIN_PASS_DETOUR = 3.0
 """Least length along the graph between two vertices at which paths pass each other, in largest distances of the two."""
 

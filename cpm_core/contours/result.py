@@ -123,10 +123,11 @@ class Result(drawing.Pictured):
         Examples
         --------
         >>> rows, cols = np.mgrid[:64, :64]
-        >>> quarters = np.where((abs(rows - 31.5) < 20) & (abs(cols - 31.5) < 20), 60 * (rows // 32 + 2 * (cols // 32)) + 60, 0)
+        >>> inside = (abs(rows - 31.5) < 20) & (abs(cols - 31.5) < 20)
+        >>> quarters = np.where(inside, 60 * (rows // 32) + 120 * (cols // 32), -60)
         >>> result = cpm.segment(cpm.Image(quarters), cpm.uniform_grid((64, 64)))
-        >>> result
-        >>> [round(face.area) for face in result.faces]
+        >>> sum(contour.closed for contour in result.contours), [round(face.area, -1) for face in result.faces]
+        (0, [400.0, 400.0, 400.0, 400.0])
         """
         return find_faces(self.contours, self.spacing) if len(self.shape) == 2 else ()
 
