@@ -17,7 +17,7 @@ from cpm_core.numerics.segments import PathTree
 from cpm_core.numerics.types import Array, Arrays, Integers, record
 from cpm_core.parameters.formatting import format_count, format_repr
 
-_MEETING_DISTANCE = 0.1
+_CONTACT_DISTANCE = 0.1
 """Distance up to which the end of a contour lies on another [px]: contours are traced to 0.03 px, and files keep
 hundredths. What is narrower lies between contours that run together, and is no face."""
 
@@ -84,16 +84,16 @@ def find_faces(contours: Contours, spacing: Sequence[float] = (1.0, 1.0)) -> tup
     tree = PathTree(paths)
     lines = shapely.linestrings(np.concatenate(paths), indices=repeat_indices([len(path) for path in paths]))
     ends = np.concatenate([path[[0, -1]] for path in paths])
-    end, path, away = tree.pairs_within(ends, _MEETING_DISTANCE)
+    end, path, away = tree.pairs_within(ends, _CONTACT_DISTANCE)
     off = (away > 0.0) & (path != end // 2)
     links = shapely.shortest_line(shapely.points(ends[end[off]]), lines[path[off]])
     closing = shapely.linestrings(ends.reshape(-1, 2, 2))
-    closing = closing[shapely.length(closing) <= _MEETING_DISTANCE]
+    closing = closing[shapely.length(closing) <= _CONTACT_DISTANCE]
     net = shapely.union_all(np.concatenate([lines, links, closing]), grid_size=_VERTEX_GRID)
     polygons = shapely.get_parts(shapely.polygonize([net]))
     area, around = shapely.area(polygons), shapely.length(polygons)
     order = np.argsort(-area, kind="stable")
-    polygons = polygons[order[(2.0 * area > _MEETING_DISTANCE * around)[order]]]
+    polygons = polygons[order[(2.0 * area > _CONTACT_DISTANCE * around)[order]]]
     if not len(polygons):
         return ()
 
