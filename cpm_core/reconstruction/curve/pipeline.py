@@ -22,7 +22,8 @@ from cpm_core.reconstruction.curve.ridge_tracing import trace_ridges
 from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 
 _MIN_JOINING_REACH = 2.5
-"""Distance, in d_min, up to which two points may be joined for any insertion range."""
+"""Distance, in d_min or sigma, up to which two points may be joined for any insertion range: as far from the side of a
+stronger edge, an edge that meets it ends."""
 
 _LONGEST_SPECK = 2.0
 """Greatest length, in d_min, of isolated pieces that are removed as artifacts."""
@@ -72,7 +73,7 @@ def find_contours(
     points, found = refine_to_ridge(on_edge, scale_field)
     points = points[found & ~scale_field.barrier_map.is_crossed_by(on_edge, points)]
     kept = select_survivors(points, scale_field.strength_at(points), parameters.d_min)
-    reach = max(parameters.d_min + parameters.d_max, _MIN_JOINING_REACH * parameters.d_min)
+    reach = max(parameters.d_min + parameters.d_max, _MIN_JOINING_REACH * max(parameters.d_min, scale_field.smoothing))
     graph = Graph(*trace_ridges(points[kept], scale_field, parameters.d_min, at_rest))
     if scale_field.reached is not None:
         drop_unreached(graph, scale_field.reached)
