@@ -77,6 +77,7 @@ from typing import Any
 
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.faces import Face
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.region_table import Table
@@ -173,6 +174,7 @@ __all__ = [
     "Engine",
     "Evolution",
     "Extrusion",
+    "Face",
     "Forces",
     "Geometry",
     "Image",

@@ -239,10 +239,11 @@ def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: flo
     """Describe contours, as values by name and as sentences."""
     facts: JsonDict = {
         **collect_run_facts(result, seconds),
+        "faces": len(result.faces),
         "bridges": len(result.bridges),
         PROVENANCE_KEY: describe_provenance(result),
     }
-    lines = [f"{result.source}: {describe_contour_count(result)}"]
+    lines = [f"{result.source}: {describe_contour_count(result)}, {format_count(len(result.faces), 'face')}"]
     lines += list_longest(
         [
             f"length {contour.length:.1f} px, "

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
@@ -13,6 +14,9 @@ from cpm_core.numerics.grids import label_joined_pairs
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.polyline import lengths_along, path_length, repeat_indices
 from cpm_core.numerics.types import Array, Index, Mask, record
+
+_MIN_PASS_DETOUR = 3.0
+"""Least length along the graph between two vertices at which paths pass each other, in largest distances of the two."""
 
 
 class Graph:
@@ -197,10 +201,7 @@ class Graph:
                 moved.add(kept)
             elif weights[gone] > weights[kept]:
                 kept, gone = gone, kept
-            for other in self.neighbors(gone):
-                self.remove_edges((gone, other))
-                if other != kept:
-                    self.add_edge(kept, other)
+            self._merge_vertices(kept, gone)
 
     def drop_junction_links(self, max_length: float) -> None:
         """Remove paths between two junctions that are shorter than `max_length` [px], shortest first.
@@ -215,6 +216,45 @@ class Graph:
             if min(map(self.degree, (path[0], path[-1]))) > 2:
                 self.remove_path(path)
 
+    def merge_passes(self, max_distance: float) -> None:
+        """Merge two paths into a junction where they pass each other within `max_distance` [px], nearest pairs first.
+
+        Along the graph the two vertices are at least `_MIN_PASS_DETOUR` times as far apart.
+        """
+        ways = self.find_paths()
+        inner = np.flatnonzero(self.degrees == 2)
+        if not len(inner):
+            return
+        pairs = inner[scipy.spatial.cKDTree(self.points[inner]).query_pairs(max_distance, output_type="ndarray")]
+        along, way = lengths_along(self.points[ways.vertices]), repeat_indices(np.diff(ways.start))
+        along -= along[ways.start[way]]
+        place = np.empty(len(self.points), np.int64)
+        place[ways.vertices] = np.arange(len(way))  # a junction has several places; they are not used
+        own = way[place[pairs]]
+        to_first = along[place[pairs]]
+        lengths = np.stack([to_first, ways.lengths[own] - to_first])
+        ends = np.stack([ways.first, np.where(ways.closed, ways.first, ways.last)])[:, own]
+        around = np.where(own[:, 0] == own[:, 1], np.abs(to_first[:, 0] - to_first[:, 1]), np.inf)
+        for one, other in product((0, 1), repeat=2):
+            over = lengths[one, :, 0] + lengths[other, :, 1]
+            around = np.minimum(around, np.where(ends[one, :, 0] == ends[other, :, 1], over, np.inf))
+        pairs = pairs[around > _MIN_PASS_DETOUR * max_distance]
+        middle = self.points[pairs].mean(axis=1)
+        order = np.argsort(np.linalg.norm(np.diff(self.points[pairs], axis=1)[:, 0], axis=1), kind="stable")
+        self.points, merged = self.points.copy(), np.empty((0, 2))
+        for n in order.tolist():
+            if (np.linalg.norm(merged - middle[n], axis=1) > _MIN_PASS_DETOUR * max_distance).all():
+                merged = np.concatenate([merged, middle[n : n + 1]])
+                self._merge_vertices(*pairs[n].tolist())
+                self.points[pairs[n, 0]] = middle[n]
+
+    def _merge_vertices(self, kept: int, gone: int) -> None:
+        """Give the edges of a vertex to another one."""
+        for other in self.neighbors(gone):
+            self.remove_edges((gone, other))
+            if other != kept:
+                self.add_edge(kept, other)
+
     def _junction_links(self, ways: GraphPaths) -> Index:
         """List the paths between two junctions."""
         return np.flatnonzero(~ways.closed & (self.degrees[ways.first] > 2) & (self.degrees[ways.last] > 2))
@@ -223,17 +263,17 @@ class Graph:
         """Measure the length of a path [px]."""
         return path_length(self.points[path])
 
-    def extract_contours(self, min_length: float = 0.0) -> tuple[Contour, ...]:
-        """Extract the contours with a length of at least `min_length` [px], longest first.
+    def extract_contours(self) -> tuple[Contour, ...]:
+        """Extract the contours, longest first.
 
         A cycle is closed even if dead ends branch off it.
         """
         ways = self.find_paths()
         forks = np.stack([self.degrees[ways.first] > 2, self.degrees[ways.last] > 2], axis=1) & ~ways.closed[:, None]
         rings, in_ring = self._find_rings(forks[:, 0] & forks[:, 1])
-        long = np.flatnonzero(rings.closed & (rings.lengths >= min_length))
-        found = [Contour(self.points[rings.path_vertices(ring)], True) for ring in long.tolist()]
-        for way in np.flatnonzero((ways.lengths >= min_length) & ~in_ring).tolist():
+        around = np.flatnonzero(rings.closed).tolist()
+        found = [Contour(self.points[rings.path_vertices(ring)], True) for ring in around]
+        for way in np.flatnonzero(~in_ring).tolist():
             before, behind = forks[way].tolist()
             found.append(
                 Contour(self.points[ways.path_vertices(way)], bool(ways.closed[way]), junctions=(before, behind))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge, Contour, select_bridges_on
+from cpm_core.contours.faces import Face, find_faces
 from cpm_core.contours.measurements import assign_labels, compute_centroid
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.region_table import Table, measure_regions, measure_volume_objects
@@ -100,7 +101,7 @@ class Result(drawing.Pictured):
 
         Every closed contour fills its inside with its own label, counted from 1 in the order of `contours`; one inside
         another has its own, so that the hole of a ring differs from the ring. The holes of selected objects have the
-        label 0. Open contours enclose nothing. In a volume each object inside a closed surface has a label, the
+        label 0. Open contours have none; see `faces`. In a volume each object inside a closed surface has a label, the
         largest 1; without such a surface all are 0. Files of labels hold the same array.
         """
         found = np.zeros(self.shape, np.int32)
@@ -110,6 +111,25 @@ class Result(drawing.Pictured):
             found[:] = rasterize_labels(self.contours, self.shape)
         found.flags.writeable = False
         return found
+
+    @cached_property
+    def faces(self) -> tuple[Face, ...]:
+        """What the contours enclose, alone or several that meet, the largest first; nothing in a volume.
+
+        The faces of the net of contours: a closed contour is one, less what is in it, and so is each of the regions
+        that meet at a T or an X, though no contour is closed there. A piece with a loose end inside leaves a face
+        whole, and what the border of the image cuts is no face.
+
+        Examples
+        --------
+        >>> rows, cols = np.mgrid[:64, :64]
+        >>> inside = (abs(rows - 31.5) < 20) & (abs(cols - 31.5) < 20)
+        >>> quarters = np.where(inside, 60 * (rows // 32) + 120 * (cols // 32), -60)
+        >>> result = cpm.segment(cpm.Image(quarters), cpm.uniform_grid((64, 64)))
+        >>> sum(contour.closed for contour in result.contours), [round(face.area, -1) for face in result.faces]
+        (0, [400.0, 400.0, 400.0, 400.0])
+        """
+        return find_faces(self.contours, self.spacing) if len(self.shape) == 2 else ()
 
     def table(self, *, in_units: bool = False) -> Table:
         """Measure what the closed contours enclose, or the objects in a volume: one row a label of `labels`.

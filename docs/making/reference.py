@@ -24,7 +24,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "results": (
         "What is found, and how it is measured",
-        ("Result", "Contour", "Bridge", "Surface", "Table", "measure", "containment", "reconstruct_curve",
+        ("Result", "Contour", "Bridge", "Face", "Surface", "Table", "measure", "containment", "reconstruct_curve",
          "reconstruct_surface", "compare", "Comparison", "Truth", "load_truth", "compare_surface",
          "SurfaceComparison", "VolumeTruth", "load_volume_truth"),
     ),

@@ -37,7 +37,7 @@ def objects():
         cpm.compare(result.contours, truth), cpm.report_run(moment, truth), engine.forces(state, cpm.Parameters()),
         engine.energies(state, cpm.Parameters()), cpm.skeleton(image), partition.select([(32, 18)]),
         bodies.select([(15, 15, 15)]), cpm.centerlines(surface.labels), cpm.Geometry(), cpm.Parameters(),
-        cpm.PlacedCharge((1 / 3, 2 / 3), 1 / 7), cpm.Bridge(seeds[:3], 12.0, 3.0),
+        cpm.PlacedCharge((1 / 3, 2 / 3), 1 / 7), cpm.Bridge(seeds[:3], 12.0, 3.0), *result.faces,
         cpm.Regions([seeds[[0, 3, 20]]], [seeds[:2]]), cpm.VolumeRegions([((0, 0, 0), (9, 9, 9))]),
         cpm.Extrusion(tuple(map(tuple, seeds[[0, 3, 20]].tolist())), 0, 2, 7), *cpm.measure(result.contours),
         cpm.notebook_view(result),

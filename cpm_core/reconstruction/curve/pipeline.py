@@ -22,7 +22,8 @@ from cpm_core.reconstruction.curve.ridge_tracing import trace_ridges
 from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 
 _MIN_JOINING_REACH = 2.5
-"""Distance, in d_min, up to which two points may be joined for any insertion range."""
+"""Distance, in d_min or sigma, up to which two points may be joined for any insertion range: as far from the side of a
+stronger edge, an edge that meets it ends."""
 
 _LONGEST_SPECK = 2.0
 """Greatest length, in d_min, of isolated pieces that are removed as artifacts."""
@@ -32,6 +33,14 @@ _LONGEST_SPUR = 3.0
 
 _JUNCTION_MERGE_DISTANCE = 1.0
 """Distance up to which junctions are merged, at least sigma [px]; the mouths of slits are wider."""
+
+_LEAST_APPARENT_WIDTH = 2.0
+"""Least distance at which the two sides of a slit or a limb appear after smoothing, in sigma: contours that pass each
+other nearer cross there, as at an X."""
+
+_WIDEST_SLIT_MOUTH = 2.5
+"""Greatest length, in sigma, of links across the mouths of slits that smoothing closes; sides farther apart have
+none."""
 
 _BRIDGE_SPACING = 2.0
 """Largest distance between the vertices of a bridge [px]."""
@@ -64,7 +73,7 @@ def find_contours(
     points, found = refine_to_ridge(on_edge, scale_field)
     points = points[found & ~scale_field.barrier_map.is_crossed_by(on_edge, points)]
     kept = select_survivors(points, scale_field.strength_at(points), parameters.d_min)
-    reach = max(parameters.d_min + parameters.d_max, _MIN_JOINING_REACH * parameters.d_min)
+    reach = max(parameters.d_min + parameters.d_max, _MIN_JOINING_REACH * max(parameters.d_min, scale_field.smoothing))
     graph = Graph(*trace_ridges(points[kept], scale_field, parameters.d_min, at_rest))
     if scale_field.area.size:
         drop_beyond(graph, scale_field.area, points[kept], 0.5 * reach)
@@ -78,14 +87,11 @@ def find_contours(
         graph.drop_spurs(_LONGEST_SPUR * parameters.d_min)
     if parameters.max_gap == 0.0:  # else a short branch may be one side of a gap
         graph.drop_spurs(max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length))
-    graph.drop_junction_links(least_contour_length(scale_field.smoothing, parameters))
+    graph.drop_junction_links(_WIDEST_SLIT_MOUTH * scale_field.smoothing)
+    graph.merge_passes(_LEAST_APPARENT_WIDTH * scale_field.smoothing)
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
     bridges = bridge_gaps(graph, scale_field, parameters.max_gap, spacing, MIN_LENGTH_IN_SPACINGS * parameters.d_min)
-    contours = select_contours(
-        graph.extract_contours(max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length)),
-        scale_field,
-        parameters,
-    )
+    contours = select_contours(graph.extract_contours(), scale_field, parameters)
     return contours, select_bridges_on(bridges, contours)
 
 

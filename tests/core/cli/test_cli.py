@@ -31,7 +31,7 @@ def test_run_finds_the_disk_and_tells_it_as_json(disk, told):
 def test_run_tells_a_person_what_it_found_and_wrote(disk, command, tmp_path):
     status, out, _ = command("run", disk, *START, "--export", tmp_path / "a.svg")
     assert status == 0
-    assert out.startswith("disk.png: 1 contour (1 closed)\n")
+    assert out.startswith("disk.png: 1 contour (1 closed), 1 face\n")
     assert f"Wrote {tmp_path / 'a.svg'}\n" in out
 
 

@@ -309,6 +309,7 @@ _SKIPPED = {
     "State",
     "Truth",
     "Bridge",
+    "Face",
     "Centerlines",
     "export",
     "load_centerlines",
