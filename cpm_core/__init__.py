@@ -84,7 +84,6 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.field.edge_map import edge_map
-from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import (
     export,
@@ -147,7 +146,9 @@ from cpm_core.pages.follow import follow_pages
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
+from cpm_core.published.crust import reconstruct_curve
+from cpm_core.published.electric_field import electric_field
+from cpm_core.published.surface_from_points import reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution, RunState, evolve, segment
 from cpm_core.segmentation.method import RUN_METHODS as RUN_METHODS

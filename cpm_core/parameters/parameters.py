@@ -203,6 +203,7 @@ PRESETS = {
         w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.05, max_border=0.08, min_length=30.0, edges="vessels"
     ),
     "noisy": Parameters(smoothing="auto"),
+    "published": Parameters(),
     "fluorescence": replace(_AUTOMATIC_PRESET, smoothing=4.0),
     "angiogram": replace(_AUTOMATIC_PRESET, gamma=1.0, sure_edge=0.4, edges="vessels"),
     "ultrasound": replace(_AUTOMATIC_PRESET, smoothing=6.0, sure_edge=0.7),
