@@ -148,10 +148,10 @@ class Published:
         self._pyramid = lru_cache(1)(lambda channel: build_pyramid(self.image.gray_levels(channel), self.scales))
         self._fields = lru_cache(2 * self.scales)(self._compute_fields)
 
-    @staticmethod
-    def steering(parameters: Parameters) -> tuple[object, ...]:
+    @classmethod
+    def steering(cls, parameters: Parameters) -> tuple[object, ...]:
         """Return the values that a step depends on; see `Method.steering`."""
-        return parameters.steering
+        return tuple(getattr(parameters, name) for name in cls.parameters if name != "scales")
 
     def can_start(self, parameters: Parameters) -> bool:
         """Return whether a run with these parameters can start: with as many scales."""
@@ -185,7 +185,7 @@ class Published:
         if state.stop_reason:
             return state
         placed = check_charges(charges, self.image.ndim)
-        state = replace(state, steering=parameters.steering, regions=self.regions, charges=placed)
+        state = replace(state, steering=self.steering(parameters), regions=self.regions, charges=placed)
         p, born, deleted = dynamics.advance(
             state.particles, self._lorentz_at(state, parameters) + self._placed_at(state),
             parameters.w1, parameters.w2, parameters.beta, parameters.time_step, parameters.d_min,
