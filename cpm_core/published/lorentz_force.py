@@ -15,7 +15,7 @@ import scipy
 from cpm_core.field.convolution import convolved_field
 from cpm_core.field.scale_field import unit_vectors
 from cpm_core.numerics.types import Array
-from cpm_core.published.pppm import pppm_potential
+from cpm_core.published.pppm import pppm_field
 
 
 def fixed_charges(f: Array, sigma: float) -> Array:
@@ -25,19 +25,10 @@ def fixed_charges(f: Array, sigma: float) -> Array:
     return -magnitude(g)  # line 3
 
 
-def pppm_field(e: Array) -> Array:
-    r"""Return the field ``E = -grad(phi)``, shape (D, \*shape), of charges of shape (\*shape)."""
-    phi = pppm_potential(e)  # line 4
-    return -gradient_map(phi)  # line 5
-
-
-def exact_field(e: Array) -> Array:
-    r"""Return the field of eq. (8), shape (D, \*shape), of charges of shape (\*shape)."""
-    return np.asarray(convolved_field(-e, 2.0))
-
-
-FIELDS: Mapping[str, Callable[[Array], Array]] = MappingProxyType({"pppm": pppm_field, "exact": exact_field})
-"""How the field of the fixed charges is computed."""
+FIELDS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
+    {"exact": lambda e: np.asarray(convolved_field(-e, 2.0)), "pppm": lambda e: pppm_field(-e)}
+)
+r"""How the field ``E``, shape (D, \*shape), is computed from charges, lines 4 and 5: by eq. (8), or by PPPM."""
 
 
 def minima_charges(e_field: Array) -> Array:

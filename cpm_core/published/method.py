@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.result import Result, build_result
 from cpm_core.contours.surface import Surface
+from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.placed_charges import (
     PlacedCharge,
@@ -40,7 +41,6 @@ from cpm_core.parameters.provenance import Provenance, select_parameters
 from cpm_core.published import dynamics
 from cpm_core.published.crust import reconstruct_curve
 from cpm_core.published.lorentz_force import FIELDS, NORMALIZATIONS, fixed_charges, minima_charges
-from cpm_core.published.pppm import pppm_potential
 from cpm_core.published.surface_from_points import reconstruct_surface
 
 USUAL_SIGMA = 1.0
@@ -98,8 +98,7 @@ class Published:
     regions : Regions or VolumeRegions, optional
         Regions of interest and barriers.
     field : {"exact", "pppm"}
-        How the field of the fixed charges is computed: by eq. (8), or by eq. (16) to (22), whose differences of a
-        potential without the charge of the pixel itself put edges up to half a pixel off.
+        How the field of the fixed charges is computed: by eq. (8), or by eq. (16) to (22).
     coulomb, lorentz : {"unit", "largest", "mean"}
         How each force is normalized: to unit vectors, or by the largest or the mean length.
     skeleton : bool
@@ -273,7 +272,7 @@ class Published:
 
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
         r"""Return the potential of the fixed charges on the pixels of the image, shape (\*shape)."""
-        return pppm_potential(self._fields_at(parameters, 0)[0])
+        return convolved_potential(-self._fields_at(parameters, 0)[0], exponent=2.0)
 
     def _lorentz_at(self, state: PublishedState, parameters: Parameters) -> Array:
         """Interpolate the Lorentz force between the pixels, shape (N, D)."""

@@ -1,4 +1,4 @@
-"""The potential of the fixed charges by the particle-particle particle-mesh method (section 3.5.2, eq. (16) to (22)).
+"""The field of the fixed charges by the particle-particle particle-mesh method (section 3.5.2, eq. (16) to (22)).
 
 The error function splits the potential of a charge, ``1 / R``, in two, eq. (22). The near part, ``(1 - erf(R / sigma))
 / R``, has decayed at the cut-off and is summed directly, eq. (17). The rest, ``erf(R / sigma) / R``, is the potential
@@ -9,6 +9,8 @@ is solved by successive over-relaxation.
 An image is a volume of one plane: Poisson's equation in the plane would give ``-log R``, which is not the potential
 that was split. The text leaves open the mesh, which has a fifth of the cut-off here, D and N_t, and the potential on the
 faces of the mesh, which is that of the charges gathered into lumps: faces at zero would screen it.
+
+It points where the exact sum does, within 0.3 degrees on half of the pixels and 3 on 95 % (`tests/core/published`).
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ N_P = 50
 _ITERATIONS_PER_NODE = 1.25
 """Iterations for each node along one side of a cubic mesh: one carries the potential inward by a cell or so."""
 
-_CELLS_PER_CUTOFF = 5
+CELLS_PER_CUTOFF = 5
 """Mesh cells to the cut-off: at the cut-off 1 - erf(R / sigma) is 0.0004."""
 
 D = 5.0 / 48.0
@@ -42,6 +44,9 @@ N_T = 8
 _SHARING_SPREAD = 1.0 / 6.0
 """Mean spread of a charge by the sharing among nodes, to the mesh and back; in the units of D N_t."""
 
+GAUSSIAN_WIDTH = 2.0 * math.sqrt(D * N_T + _SHARING_SPREAD)
+"""Width sigma = 2 sqrt(D N_t) of the Gaussians: two cells."""
+
 _LUMP_CELLS = 4
 """Mesh cells from one lump of charge to the next."""
 
@@ -52,39 +57,41 @@ _NODES_PER_PASS = 256
 """Nodes on the faces whose distances from all lumps are computed together."""
 
 
-def pppm_potential(e: Array, r_c: float = R_C) -> Array:
-    r"""Compute ``phi(R_i) = sum_k e_k / |R_i - R_k|`` over all others, eq. (16), of charges of shape (\*shape).
+def pppm_field(f: Array, r_c: float = R_C) -> Array:
+    r"""Compute the field, shape (D, \*shape), of the charges ``-f``, shape (\*shape), with a cut-off `r_c` [px]."""
+    volume = f.reshape(-1, *f.shape[-2:])
+    field = direct_field(volume, r_c) + mesh_field(volume, r_c / CELLS_PER_CUTOFF)
+    return field if f.ndim == 3 else field[1:, 0]
 
-    `r_c` is the cut-off [px].
+
+def direct_field(f: Array, r_c: float) -> Array:
+    """Compute the direct part, minus the gradient of eq. (17), shape (3, P, H, W), of charges ``-f``, shape (P, H, W).
+
+    The gradient is taken before the sum: differences of the sums would include the charge of the pixel itself at its
+    neighbors, which eq. (7) leaves out.
     """
-    h = r_c / _CELLS_PER_CUTOFF
-    sigma = 2.0 * math.sqrt(D * N_T + _SHARING_SPREAD) * h
-    volume = e.reshape(-1, *e.shape[-2:])
-    phi_self = 2.0 * volume / (math.sqrt(math.pi) * sigma)
-    phi = direct_potential(volume, r_c, sigma) + mesh_potential(volume, h) - phi_self
-    return phi.reshape(e.shape)
-
-
-def direct_potential(e: Array, r_c: float, sigma: float) -> Array:
-    """Compute the direct part, eq. (17), of the potential of charges, shape (P, H, W)."""
-    reach = [min(int(r_c), n - 1) for n in e.shape]
+    sigma = GAUSSIAN_WIDTH * r_c / CELLS_PER_CUTOFF
+    reach = [min(int(r_c), n - 1) for n in f.shape]
     offsets = np.indices([2 * r + 1 for r in reach], float) - np.reshape(reach, (3, 1, 1, 1))
-    distance = np.sqrt((offsets**2).sum(axis=0))
-    distance[(distance == 0.0) | (distance > r_c)] = np.inf
-    return np.asarray(scipy.signal.oaconvolve(e, scipy.special.erfc(distance / sigma) / distance, "same"))
+    away = np.sqrt((offsets**2).sum(axis=0))
+    away[(away == 0.0) | (away > r_c)] = np.inf
+    gauss = 2.0 / (math.sqrt(math.pi) * sigma) * np.exp(-((away / sigma) ** 2))
+    slope = (scipy.special.erfc(away / sigma) / away + gauss) / away
+    return np.stack([scipy.signal.oaconvolve(f, -pull, "same") for pull in slope / away * offsets])  # they are odd
 
 
-def mesh_potential(e: Array, h: float) -> Array:
-    """Compute the potential of charges, shape (P, H, W), spread to Gaussians, by a mesh of spacing `h` [px]."""
+def mesh_field(f: Array, h: float) -> Array:
+    """Compute the field, shape (3, P, H, W), of charges ``-f`` spread to Gaussians, by a mesh of spacing `h` [px]."""
     shares = []
-    for count in e.shape:  # a mesh centered on the image, whose nodes the lumps fit
+    for count in f.shape:  # a mesh centered on the image, whose nodes the lumps fit
         half = 0.5 * (count - 1)
         nodes = _LUMP_CELLS * math.ceil((half / h + _FACE_CELLS) / _LUMP_CELLS)
         shares.append(_hat_weights((np.arange(count) - half) / h + nodes, 2 * nodes + 1))
-    q = _multiply_along_axes(shares, e)
-    potential = _potential_on_faces(q)
-    _relax(potential, 4.0 * math.pi * _diffuse(q))
-    return _multiply_along_axes([part.T for part in shares], potential) / h  # the same shares, eq. (20)
+    q = _multiply_along_axes(shares, -f)
+    phi = _potential_on_faces(q)
+    _relax(phi, 4.0 * math.pi * _diffuse(q))
+    back = [part.T for part in shares]  # the same shares, so that no charge acts on itself, eq. (20)
+    return -np.stack([_multiply_along_axes(back, np.gradient(phi, axis=axis)) for axis in range(3)]) / h**2
 
 
 def _hat_weights(places: Array, count: int) -> Array:
