@@ -8,7 +8,7 @@ The model on one page
    carries a **fixed charge** -f (`field.edge_map`). Automatic smoothing derives sigma from the noise, and removes heavy
    noise first (`image.denoising`); the edge of a dark or bright image border can be left out (`image.border`).
 2. The fixed charges make an **electric field**, E(r) = sum_k -f_k (r - R_k) / |r - R_k|^3, eq. (8), which pulls
-   positive charges to edges (`field.electric_field`). Its direction is the **Lorentz force** F_l, which passes linearly
+   positive charges to edges (`field.convolution`). Its direction is the **Lorentz force** F_l, which passes linearly
    through zero across an edge (`field.scale_field`).
 3. The **particles** all have the same positive charge and repel each other: the **Coulomb force** F_c, eq. (9)
    (`model.coulomb`), scaled by the local spacing and clipped at one. With many particles, close pairs are summed at

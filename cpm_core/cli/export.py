@@ -5,11 +5,19 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
 from cpm_core.cli.arguments import add_options, check_exports, check_targets, parse_whole_number
-from cpm_core.cli.inputs import apply_session_review, fit_parameters, is_volume_session, locate_image, method_of, segment_shapes
+from cpm_core.cli.inputs import (
+    apply_session_review,
+    fit_parameters,
+    is_volume_session,
+    locate_image,
+    method_of,
+    segment_shapes,
+)
 from cpm_core.cli.output import (
     OutputFiles,
     StatusLine,
@@ -145,7 +153,7 @@ def _restore_or_run(session: SessionFile, parameters: Parameters, image: Image, 
     if kept is not None:
         state, made_with = kept
         method = SEEDED_METHODS[method_of(session)](image, made_with, state.regions)
-        return replace(method.result(state, made_with), source=image.source)
+        return replace(cast("Result", method.result(state, made_with)), source=image.source)
     if not select_starts(session.shapes):
         raise ValueError(f"{source.name} has no start and no contours: draw a start in the window, and save it again.")
     with StatusLine() as line:

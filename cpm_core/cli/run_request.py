@@ -323,7 +323,9 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
 def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Parameters, is_volume: bool) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
     drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
-    refuse_options(arguments, (*drawn, "sphere", "space", "save_session", "method"), "an image that is run in one piece")
+    refuse_options(
+        arguments, (*drawn, "sphere", "space", "save_session", "method"), "an image that is run in one piece"
+    )
     if arguments.auto not in CHUNKED_START_KINDS:
         raise ValueError(
             f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(CHUNKED_START_KINDS)}."

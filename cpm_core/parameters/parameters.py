@@ -87,7 +87,7 @@ class Parameters:
         Source of the edges: the gray levels, or a vessel measure.
     accuracy : {"standard", "exact"}
         Accuracy of the field of the fixed charges of a volume: from blocks of two voxels, or from every voxel; in an
-        image the field is always exact. `cpm_core.field.electric_field` documents the error of blocks.
+        image the field is always exact. `cpm_core.field.convolution` documents the error of blocks.
     channel : {"luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"}
         Source of the gray levels of a color image; no effect on a gray one.
 

@@ -1,7 +1,7 @@
 """Algorithm 1, part 2: the particles, in the plane and in space by the same lines.
 
-Names are the symbols of the paper. Its text leaves open which particles are neighbors: here two of which no other one is
-nearer to their middle; and which of two that are too near is deleted: the newer one.
+Names are the symbols of the paper. Its text leaves open which particles are neighbors: here two of which no other one
+is nearer to their middle; and which of two that are too near is deleted: the newer one.
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ def coulomb_sums(r: Array) -> Array:
     k = math.ceil(NEAREST * (len(r) - 1))
     if k < 1:
         return np.zeros(r.shape)
-    distance, j = scipy.spatial.cKDTree(r).query(r, k + 1)  # itself as well, which adds nothing
+    nearest = scipy.spatial.cKDTree(r).query(r, k + 1)  # itself as well, which adds nothing
+    distance, j = map(np.asarray, nearest)
     weight = np.divide(1.0, distance * distance * distance, out=np.zeros(distance.shape), where=distance > 0.0)
     return np.stack([x * weight.sum(axis=1) - (weight * x[j]).sum(axis=1) for x in r.T], axis=1)
 

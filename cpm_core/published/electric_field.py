@@ -5,10 +5,10 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from cpm_core.field.convolution import convolved_field
-from cpm_core.published.pppm import pppm_field
 from cpm_core.numerics.real_numbers import check_finite_number, check_image_values
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.formatting import quote_value
+from cpm_core.published.pppm import pppm_field
 
 FIELD_METHODS = ("convolution", "pppm")
 """Methods for the computation of the field."""

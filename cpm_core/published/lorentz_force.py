@@ -40,12 +40,12 @@ def minima_charges(e_field: Array) -> Array:
     values = np.lib.stride_tricks.sliding_window_view(np.pad(size, 2, mode="edge"), (5,) * size.ndim)
     around = tuple(range(size.ndim, 2 * size.ndim))
     share = (values >= np.expand_dims(size, around)).mean(axis=around)
-    return -(share >= 0.95).astype(float)
+    return np.where(share >= 0.95, -1.0, 0.0)
 
 
 def gradient_map(values: Array) -> Array:
     r"""Return the gradient, shape (D, \*shape), of values of shape (\*shape), by central differences."""
-    return np.stack(np.gradient(values))
+    return np.stack([np.gradient(values, axis=axis) for axis in range(values.ndim)])
 
 
 def magnitude(vectors: Array) -> Array:

@@ -214,11 +214,9 @@ class Published:
 
     def result(self, state: PublishedState, parameters: Parameters) -> Result:
         """Return the crust of the particles, line 11: contours, or in a volume a surface."""
-        contours, surface = (), None
-        if self.image.ndim == 2:
-            contours = reconstruct_curve(state.position)
-        elif state.count:
-            surface = _surface_through(state.position, self.image)
+        plane = self.image.ndim == 2
+        contours = reconstruct_curve(state.position) if plane else ()
+        surface = None if plane else _surface_through(state.position, self.image)
         made = Provenance(
             self.name, select_parameters(parameters, self.parameters), len(state.start), scale=state.scale,
             sha256=self.image.sha256, of_file=bool(self.image.file_sha256),
@@ -252,10 +250,11 @@ class Published:
         """Return the forces of eq. (12) on particles of a state, shape (M, D); `index` selects some of them."""
         state = replace(state, charges=check_charges(charges, self.image.ndim))
         chosen = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, np.int64))
-        F_c = self._normalize(dynamics.coulomb_sums(state.particles.position).T).T
+        coulomb = self._normalize(dynamics.coulomb_sums(state.particles.position).T).T
         parts = (
-            parameters.w1 * F_c, parameters.w2 * self._lorentz_at(state, parameters),
-            parameters.w2 * self._placed_at(state), np.zeros(F_c.shape), -parameters.beta * state.particles.velocity,
+            parameters.w1 * coulomb, parameters.w2 * self._lorentz_at(state, parameters),
+            parameters.w2 * self._placed_at(state), np.zeros(coulomb.shape),
+            -parameters.beta * state.particles.velocity,
         )  # fmt: skip
         return Forces(*(part[chosen] for part in parts))
 

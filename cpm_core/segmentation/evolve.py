@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 from numpy.typing import ArrayLike
 
@@ -25,7 +25,6 @@ from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.reconstruction.by_hand.operations import apply_edits_to_result
 from cpm_core.segmentation.method import RUN_METHODS, Method
-
 
 SEEDED_METHODS = {name: method for name, method in RUN_METHODS.items() if method.seeded}
 """Methods whose runs begin with seeds."""
@@ -101,8 +100,7 @@ class RunState(drawing.Pictured):
     @cached_property
     def result(self) -> Result:
         """Result so far, reconstructed at the first access."""
-        found: Result = self.method.result(self.state, self.parameters)
-        return found
+        return cast("Result", self.method.result(self.state, self.parameters))
 
     @property
     def contours(self) -> tuple[Contour, ...]:
@@ -192,7 +190,9 @@ class Evolution(Iterator[RunState]):
                 f"parameters is {quote_value(given)} but must be Parameters: use dataclasses.replace on them."
             )
         if not self._method.can_start(given):
-            raise ValueError(f"scales is {given.scales} but must stay {self.parameters.scales} in a run: begin another.")
+            raise ValueError(
+                f"scales is {given.scales} but must stay {self.parameters.scales} in a run: begin another."
+            )
         self._parameters = given
 
     @property
@@ -203,8 +203,7 @@ class Evolution(Iterator[RunState]):
     @property
     def result(self) -> Result:
         """Result so far, with the present parameters for the contours."""
-        found: Result = self._method.result(self._moment.state, self._parameters)
-        return found
+        return cast("Result", self._method.result(self._moment.state, self._parameters))
 
     def stop(self, reason: str = "stopped, as requested") -> None:
         """End the run: no step follows; `reason` becomes `Result.stop_reason`."""

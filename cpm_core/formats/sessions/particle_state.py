@@ -34,8 +34,8 @@ from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import HISTORY_STEPS, Particles, State
 from cpm_core.model.volume.state import VolumeParticles, VolumeState
-from cpm_core.published import Published, PublishedState
 from cpm_core.numerics.types import Extent, JsonDict, Numbers, Sides
+from cpm_core.published import Published, PublishedState
 
 _SCALAR_FIELDS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
 """Fields of a state that are single values -> their type."""

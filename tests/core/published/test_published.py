@@ -81,15 +81,15 @@ def test_births_are_midpoints_with_mean_velocity_and_acceleration(axes):
     along = np.eye(axes)[0]
     p = particles_at([0.0 * along, 3.0 * along, 3.5 * along, 9.0 * along])
     p = replace(p, velocity=np.arange(4.0)[:, None] * along, force=np.arange(8.0 * axes).reshape(4, 2, axes))
-    F = np.arange(4.0 * axes).reshape(4, axes)
-    after, force, born, deleted = dynamics.insert_and_delete(p, F, 2.0, 3.0, 4)
+    total = np.arange(4.0 * axes).reshape(4, axes)
+    after, force, born, deleted = dynamics.insert_and_delete(p, total, 2.0, 3.0, 4)
     assert (born, deleted) == (1, 1)  # between the first two; the third is too near to the second
     assert after.identity.tolist() == [0, 1, 3, 4]
     assert after.position[3].tolist() == (1.5 * along).tolist()
     assert after.velocity[3].tolist() == (0.5 * along).tolist()
     np.testing.assert_array_equal(after.force[3], 0.5 * (p.force[0] + p.force[1]))
-    np.testing.assert_array_equal(force[3], 0.5 * (F[0] + F[1]))
-    assert dynamics.insert_and_delete(p, F, 2.0, 0.9, 4)[2] == 0
+    np.testing.assert_array_equal(force[3], 0.5 * (total[0] + total[1]))
+    assert dynamics.insert_and_delete(p, total, 2.0, 0.9, 4)[2] == 0
 
 
 def test_the_range_of_insertion_falls_geometrically_and_begins_again_at_each_scale():
@@ -117,7 +117,9 @@ def test_a_volume_of_equal_planes_moves_particles_as_the_image_does():
     r = np.random.default_rng(2).uniform(0.0, 20.0, (30, 2))
     flat, deep = r, np.insert(r, 0, 4.0, axis=1)
     ends = [
-        dynamics.advance(particles_at(places), 0.1 * places, 1.6, 1.75, 0.8, 0.5, 2.0, 3.0, NORMALIZATIONS["unit"], 30)[0]
+        dynamics.advance(particles_at(places), 0.1 * places, 1.6, 1.75, 0.8, 0.5, 2.0, 3.0, NORMALIZATIONS["unit"], 30)[
+            0
+        ]
         for places in (flat, deep * [0.0, 1.0, 1.0])
     ]
     np.testing.assert_allclose(ends[1].position[:, 1:], ends[0].position)

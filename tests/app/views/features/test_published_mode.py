@@ -9,7 +9,6 @@ from PySide6.QtCore import Qt
 from cpm_core import Parameters, segment
 from cpm_core.shapes import Circle
 
-
 pytestmark = pytest.mark.shared_window
 
 
