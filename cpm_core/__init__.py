@@ -8,7 +8,7 @@ The model on one page
    carries a **fixed charge** -f (`field.edge_map`). Automatic smoothing derives sigma from the noise, and removes heavy
    noise first (`image.denoising`); the edge of a dark or bright image border can be left out (`image.border`).
 2. The fixed charges make an **electric field**, E(r) = sum_k -f_k (r - R_k) / |r - R_k|^3, eq. (8), which pulls
-   positive charges to edges (`field.electric_field`). Its direction is the **Lorentz force** F_l, which passes linearly
+   positive charges to edges (`field.convolution`). Its direction is the **Lorentz force** F_l, which passes linearly
    through zero across an edge (`field.scale_field`).
 3. The **particles** all have the same positive charge and repel each other: the **Coulomb force** F_c, eq. (9)
    (`model.coulomb`), scaled by the local spacing and clipped at one. With many particles, close pairs are summed at
@@ -85,7 +85,6 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.field.edge_map import edge_map
-from cpm_core.field.electric_field import electric_field
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import (
     export,
@@ -148,7 +147,9 @@ from cpm_core.pages.follow import follow_pages
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
-from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
+from cpm_core.published.crust import reconstruct_curve
+from cpm_core.published.electric_field import electric_field
+from cpm_core.published.surface_from_points import reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution, RunState, evolve, segment
 from cpm_core.segmentation.method import RUN_METHODS as RUN_METHODS

@@ -60,6 +60,7 @@ FLOORS = (
     "cpm_core.contours",
     "cpm_core.reconstruction",
     "cpm_core.medial_axis",
+    "cpm_core.published",
     "cpm_core.segmentation",
     "cpm_core.objects",
     "cpm_core.shapes",

@@ -5,11 +5,19 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
 from cpm_core.cli.arguments import add_options, check_exports, check_targets, parse_whole_number
-from cpm_core.cli.inputs import apply_session_review, fit_parameters, is_volume_session, locate_image, segment_shapes
+from cpm_core.cli.inputs import (
+    apply_session_review,
+    fit_parameters,
+    is_volume_session,
+    locate_image,
+    method_of,
+    segment_shapes,
+)
 from cpm_core.cli.output import (
     OutputFiles,
     StatusLine,
@@ -49,7 +57,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count
-from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.evolve import SEEDED_METHODS
 from cpm_core.shapes.document_shapes import select_starts
 
 
@@ -144,7 +152,8 @@ def _restore_or_run(session: SessionFile, parameters: Parameters, image: Image, 
     kept = restore_shown_state(replace(session, parameters=parameters), image)
     if kept is not None:
         state, made_with = kept
-        return replace(Engine(image, made_with, state.regions).result(state, made_with), source=image.source)
+        method = SEEDED_METHODS[method_of(session)](image, made_with, state.regions)
+        return replace(cast("Result", method.result(state, made_with)), source=image.source)
     if not select_starts(session.shapes):
         raise ValueError(f"{source.name} has no start and no contours: draw a start in the window, and save it again.")
     with StatusLine() as line:

@@ -33,7 +33,7 @@ from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.pages.follow import limit_scales
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value
-from cpm_core.segmentation.evolve import segment, with_hand_edits
+from cpm_core.segmentation.evolve import DEFAULT_METHOD, SEEDED_METHODS, segment, with_hand_edits
 from cpm_core.shapes import Shape, Start
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds
 from cpm_core.shapes.outlines import start_from_surface, starts_from_centerlines, starts_from_contours
@@ -145,7 +145,7 @@ def segment_shapes(
     progress: Callable[[State], object] | None = None,
     regions: AnyRegions | None = None,
 ) -> Result:
-    """Run from shapes to a result, with the barriers of a session unless there are `regions`."""
+    """Run from shapes to a result, by the method of a session, with its barriers unless there are `regions`."""
     return segment(
         image,
         compute_seeds(image, shapes, parameters.smoothing, parameters.channel),
@@ -154,7 +154,13 @@ def segment_shapes(
         progress=progress,
         regions=regions or collect_regions(shapes, session.objects.barriers),
         charges=collect_charges(shapes),
+        method=method_of(session),
     )
+
+
+def method_of(session: SessionFile) -> str:
+    """Return the name of the method that runs from seeds in a session: that of its mode, if it has one of its own."""
+    return session.mode if session.mode in SEEDED_METHODS else DEFAULT_METHOD
 
 
 def apply_session_review(

@@ -58,6 +58,7 @@ from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects import Partition, Selection, VolumePartition, objects_result, select_all
 from cpm_core.parameters.formatting import format_count, format_size
+from cpm_core.segmentation.evolve import SEEDED_METHODS
 from cpm_core.shapes import SEEDING_KINDS
 
 _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
@@ -116,6 +117,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parameters = parser.add_argument_group("parameters")
     add_options(parameters, "--preset", help="named settings (default: the publication's values, or the session's)")
+    parameters.add_argument(
+        "--method",
+        choices=tuple(SEEDED_METHODS),
+        help="the program's own, or the model as published (default: that of the session, else cpm)",
+    )
     add_parameter_options(parameters)
     where = parser.add_argument_group("where an image of OME-Zarr is run, which --auto does chunk by chunk")
     add_options(where.add_mutually_exclusive_group(), "--workers", "--scheduler")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,7 @@ from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject, Texts, frozen
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
+from cpm_core.segmentation.evolve import DEFAULT_METHOD
 from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Region, SeedingKind, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import collect_regions, select_starts
 
@@ -152,6 +154,8 @@ class RunRequest:
 def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
     """Parse the arguments of ``cpm run``; ValueError for those that are wrong, or have no meaning together."""
     session = load_named_session(arguments)
+    if arguments.method:
+        session = replace(session, mode="" if arguments.method == DEFAULT_METHOD else arguments.method)
     is_volume = _names_volume(arguments, session)
     _check_options(arguments, session, is_volume)
     numbers = _parse_option_numbers(arguments, is_volume)
@@ -309,7 +313,7 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
     """Raise ValueError for what does not work on the pages of a stack."""
     if arguments.object and not arguments.follow:
         raise ValueError("--object is on the first of the pages: add --follow, which finds the object on the others.")
-    refuse_options(arguments, ("page", "truth", "save_session"), "one image, but --pages runs several")
+    refuse_options(arguments, ("page", "truth", "save_session", "method"), "one image, but --pages runs several")
     for target in arguments.export:
         check_target(target, STACKS_WRITABLE, "for all pages of a stack")
     check_targets(arguments.export, arguments, path)
@@ -318,7 +322,9 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
 def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Parameters, is_volume: bool) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
     drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
-    refuse_options(arguments, (*drawn, "sphere", "space", "save_session"), "an image that is run in one piece")
+    refuse_options(
+        arguments, (*drawn, "sphere", "space", "save_session", "method"), "an image that is run in one piece"
+    )
     if arguments.auto not in CHUNKED_START_KINDS:
         raise ValueError(
             f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(CHUNKED_START_KINDS)}."

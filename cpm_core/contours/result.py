@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,9 @@ from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.state import State
 from cpm_core.numerics.types import Array, Extent, Sides, record
+from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.parameters.provenance import Provenance
 
@@ -244,3 +247,21 @@ def keep_contours(result: Result, is_kept: Sequence[bool]) -> Result:
         return result
     kept = tuple(contour for contour, stay in zip(result.contours, is_kept, strict=True) if stay)
     return replace(result, contours=kept, bridges=select_bridges_on(result.bridges, kept))
+
+
+def build_result(state: State, image: Image, parameters: Parameters, **found: Any) -> Result:
+    """Build the result of a run at a state, with the contours and bridges, or the surface, that were found."""
+    return Result(
+        particles=state.position,
+        steps=state.step,
+        converged=state.converged,
+        stop_reason=state.stop_reason,
+        shape=image.shape,
+        spacing=image.spacing,
+        unit=image.unit,
+        source=image.source,
+        image=image,
+        regions=state.regions,
+        channel=image.resolve_channel(parameters.channel),
+        **found,
+    )

@@ -1,6 +1,6 @@
 """The electric field of the fixed charges, eq. (7) and (8): edge map, Lorentz force, potential and placed charges.
 
-`electric_field` uses `convolution` (exact, or cheaper by blocks) or `pppm` (as published).
+It is computed by `convolution`: exact, or cheaper by blocks.
 """
 
 from cpm_core.field.placed_charges import CHARGE_RADIUS as CHARGE_RADIUS

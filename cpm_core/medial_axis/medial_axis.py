@@ -1,6 +1,6 @@
 """The medial axis: the edges of the Voronoi diagram of a boundary that do not cross the boundary; and its pruning.
 
-It is the counterpart of the crust (`cpm_core.reconstruction.curve.crust`): of each edge of the Delaunay triangulation
+It is the counterpart of the crust (`cpm_core.published.crust`): of each edge of the Delaunay triangulation
 and its dual edge of the Voronoi diagram, either the first belongs to the curve or the second to its skeleton (Gold and
 Snoeyink 2001, doi:10.1007/s00453-001-0014-x).
 """

@@ -6,8 +6,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
+from cpm_core.field.convolution import convolved_field
 from cpm_core.field.edge_map import edge_map
-from cpm_core.field.electric_field import electric_field
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.gray_levels import limit_specks
@@ -247,7 +247,7 @@ def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float
 
 def field_divergence_centers(strength: Array, spacing: float) -> Array:
     r"""Find the centers of divergence, shape (N, D), of the field of an edge map, shape (\*shape)."""
-    direction = unit_vectors(electric_field(strength))
+    direction = unit_vectors(convolved_field(strength))
     parts = [np.gradient(component, axis=axis) for axis, component in enumerate(direction)]
     divergence = scipy.ndimage.gaussian_filter(np.asarray(sum(parts)), _RIPPLE_SIGMA, mode="nearest")
     largest = scipy.ndimage.maximum_filter(divergence, size=2 * int(spacing) + 1, mode="nearest")

@@ -87,7 +87,7 @@ class Parameters:
         Source of the edges: the gray levels, or a vessel measure.
     accuracy : {"standard", "exact"}
         Accuracy of the field of the fixed charges of a volume: from blocks of two voxels, or from every voxel; in an
-        image the field is always exact. `cpm_core.field.electric_field` documents the error of blocks.
+        image the field is always exact. `cpm_core.field.convolution` documents the error of blocks.
     channel : {"luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"}
         Source of the gray levels of a color image; no effect on a gray one.
 
@@ -203,6 +203,7 @@ PRESETS = {
         w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.05, max_border=0.08, min_length=30.0, edges="vessels"
     ),
     "noisy": Parameters(smoothing="auto"),
+    "published": Parameters(),
     "fluorescence": replace(_AUTOMATIC_PRESET, smoothing=4.0),
     "angiogram": replace(_AUTOMATIC_PRESET, gamma=1.0, sure_edge=0.4, edges="vessels"),
     "ultrasound": replace(_AUTOMATIC_PRESET, smoothing=6.0, sure_edge=0.7),

@@ -11,8 +11,6 @@ from cpm_core.reconstruction.by_hand.operations import cut_contour as cut_contou
 from cpm_core.reconstruction.by_hand.operations import delete_stretch as delete_stretch
 from cpm_core.reconstruction.by_hand.operations import live_wire_from as live_wire_from
 from cpm_core.reconstruction.by_hand.operations import pull_contour as pull_contour
-from cpm_core.reconstruction.curve.crust import reconstruct_curve
 from cpm_core.reconstruction.curve.pipeline import find_contours
-from cpm_core.reconstruction.surface.from_points import reconstruct_surface
 
-__all__ = ["find_contours", "reconstruct_curve", "reconstruct_surface"]
+__all__ = ["find_contours"]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, cast
 
 from numpy.typing import ArrayLike
 
@@ -20,10 +21,16 @@ from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.state import State
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array
-from cpm_core.parameters import Parameters
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.reconstruction.by_hand.operations import apply_edits_to_result
-from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.method import RUN_METHODS, Method
+
+SEEDED_METHODS = {name: method for name, method in RUN_METHODS.items() if method.seeded}
+"""Methods whose runs begin with seeds."""
+
+DEFAULT_METHOD = "cpm"
+"""The method that this program uses unless another one is asked for."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,8 +39,8 @@ class RunState(drawing.Pictured):
 
     Attributes
     ----------
-    engine : Engine
-        Engine of the run.
+    method : Method
+        Method of the run.
     state : State
         All that the next step depends on.
     parameters : Parameters
@@ -56,7 +63,7 @@ class RunState(drawing.Pictured):
     >>> axes = moment.plot()
     """
 
-    engine: Engine
+    method: Method[Any]
     state: State
     parameters: Parameters
 
@@ -93,7 +100,7 @@ class RunState(drawing.Pictured):
     @cached_property
     def result(self) -> Result:
         """Result so far, reconstructed at the first access."""
-        return self.engine.result(self.state, self.parameters)
+        return cast("Result", self.method.result(self.state, self.parameters))
 
     @property
     def contours(self) -> tuple[Contour, ...]:
@@ -107,9 +114,9 @@ class RunState(drawing.Pictured):
 
     def plot(self, ax: drawing.Axes | None = None, *, contours: bool = False, scale_bar: bool = True) -> drawing.Axes:
         """Draw the image with the particles by matplotlib; of a volume the surface. See `Result.plot`."""
-        if contours or self.engine.image.ndim == 3:
+        if contours or self.method.image.ndim == 3:
             return self.result.plot(ax, particles=True, contours=contours, scale_bar=scale_bar)
-        ax = self.engine.image.plot(ax, scale_bar=scale_bar)
+        ax = self.method.image.plot(ax, scale_bar=scale_bar)
         drawing.show_particles(ax, self.position)
         return ax
 
@@ -127,8 +134,8 @@ class Evolution(Iterator[RunState]):
 
     Parameters
     ----------
-    engine : Engine
-        Engine of the run.
+    method : Method
+        Method of the run.
     state : State
         The first state.
     parameters : Parameters
@@ -157,14 +164,14 @@ class Evolution(Iterator[RunState]):
 
     def __init__(
         self,
-        engine: Engine,
+        method: Method[Any],
         state: State,
         parameters: Parameters,
         max_steps: int | None = None,
         charges: Sequence[PlacedCharge] = (),
     ) -> None:
-        self._engine = engine
-        self._moment = RunState(engine, state, parameters)
+        self._method = method
+        self._moment = RunState(method, state, parameters)
         self._begun = False
         self._max_steps = max_steps
         self.parameters = parameters
@@ -182,8 +189,10 @@ class Evolution(Iterator[RunState]):
             raise ValueError(
                 f"parameters is {quote_value(given)} but must be Parameters: use dataclasses.replace on them."
             )
-        if not self._engine.can_start(given):
-            raise ValueError(f"scales is {given.scales} but must stay {self._engine.scales} in a run: begin another.")
+        if not self._method.can_start(given):
+            raise ValueError(
+                f"scales is {given.scales} but must stay {self.parameters.scales} in a run: begin another."
+            )
         self._parameters = given
 
     @property
@@ -194,12 +203,12 @@ class Evolution(Iterator[RunState]):
     @property
     def result(self) -> Result:
         """Result so far, with the present parameters for the contours."""
-        return self._engine.result(self._moment.state, self._parameters)
+        return cast("Result", self._method.result(self._moment.state, self._parameters))
 
     def stop(self, reason: str = "stopped, as requested") -> None:
         """End the run: no step follows; `reason` becomes `Result.stop_reason`."""
         if not self._moment.stop_reason:
-            self._moment = RunState(self._engine, self._moment.state.stop(reason), self._parameters)
+            self._moment = RunState(self._method, self._moment.state.stop(reason), self._parameters)
 
     def __next__(self) -> RunState:
         if not self._begun:
@@ -208,31 +217,32 @@ class Evolution(Iterator[RunState]):
         before = self._moment.state
         if before.stop_reason:
             raise StopIteration
-        state = self._engine.step(before, self._parameters, self.charges)
+        state = self._method.step(before, self._parameters, self.charges)
         if state.step == self._max_steps and not state.stop_reason:
             state = state.stop(f"stopped after {self._max_steps} steps, as requested")
-        self._moment = RunState(self._engine, state, self._parameters)
+        self._moment = RunState(self._method, state, self._parameters)
         return self._moment
 
     def __repr__(self) -> str:
         moment = self._moment
         reason = moment.stop_reason.partition(":")[0]
-        return format_repr("Evolution", self._engine.image.source, f"step {moment.step}", reason)
+        return format_repr("Evolution", self._method.image.source, f"step {moment.step}", reason)
 
 
 def evolve(
     values: ArrayLike | Image,
     seeds: ArrayLike,
-    parameters: Parameters | None = None,
+    parameters: Parameters | str | None = None,
     max_steps: int | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
+    method: str | Callable[..., Method[Any]] = DEFAULT_METHOD,
 ) -> Evolution:
     """Run step by step: iterate over the states of a run, from the start until the particles are at rest.
 
     Parameters
     ----------
-    values, seeds, parameters, max_steps, regions, charges
+    values, seeds, parameters, max_steps, regions, charges, method
         As for `segment`: an image of shape (H, W) and seeds of shape (N, 2), or a volume and seeds of shape (N, 3).
 
     Returns
@@ -258,19 +268,27 @@ def evolve(
         check_finite_number(
             "max_steps", max_steps, lambda count: count >= 1 and count == int(count), "at least 1, and whole"
         )
-    chosen = parameters or Parameters()
-    engine = Engine(values, chosen, regions)
-    return Evolution(engine, engine.start(seeds), chosen, max_steps, charges)
+    chosen = _choose("parameters", parameters, PRESETS) or Parameters()
+    run = _choose("method", method, SEEDED_METHODS)(values, chosen, regions)
+    return Evolution(run, run.start(seeds), chosen, max_steps, charges)
+
+
+def _choose(what: str, given: Any, named: Mapping[str, Any]) -> Any:
+    """Return what a name stands for, or what was given in its place."""
+    if isinstance(given, str) and given not in named:
+        raise ValueError(f"{what} is {quote_value(given)} but must be one of {', '.join(named)}.")
+    return named[given] if isinstance(given, str) else given
 
 
 def segment(
     values: ArrayLike | Image,
     seeds: ArrayLike,
-    parameters: Parameters | None = None,
+    parameters: Parameters | str | None = None,
     max_steps: int | None = None,
     progress: Callable[[State], object] | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
+    method: str | Callable[..., Method[Any]] = DEFAULT_METHOD,
 ) -> Result:
     """Find the contours of objects by particles that flow from seeds to edges and along them, until equilibrium.
 
@@ -280,8 +298,8 @@ def segment(
         Image.
     seeds : array_like, shape (N, 2)
         Where particles start (row, col) [px]: `circle`, `uniform_grid`, `gradient_threshold`, or any points.
-    parameters : Parameters, optional
-        The paper's defaults unless given.
+    parameters : Parameters or str, optional
+        Values, or the name of one of `PRESETS`; the paper's defaults unless given.
     max_steps : int, optional
         Greatest number of steps.
     progress : callable, optional
@@ -290,6 +308,9 @@ def segment(
         Regions of interest, which particles stay in, and barriers, which they do not cross.
     charges : sequence of PlacedCharge
         Charges that attract or repel particles, in addition to the fixed charges of the edges.
+    method : {"cpm", "published"} or class
+        The model with what this program adds, or as published, which may go on until `max_steps`; or a class like that
+        of `Method`, made with `values`, `parameters` and `regions`.
 
     Returns
     -------
@@ -311,7 +332,7 @@ def segment(
     >>> cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), cpm.Parameters(beta=0.6), max_steps=3).stop_reason
     'stopped after 3 steps, as requested'
     """
-    run = evolve(values, seeds, parameters, max_steps, regions, charges)
+    run = evolve(values, seeds, parameters, max_steps, regions, charges, method)
     next(run)
     for moment in run:
         if progress is not None:

@@ -23,6 +23,7 @@ from cpm_core.model.measures import Forces
 from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array, Numbers, Texts
 from cpm_core.parameters import Parameters
+from cpm_core.published import Published
 from cpm_core.segmentation.engine import Engine
 
 
@@ -90,7 +91,7 @@ class Method(Protocol[S]):
 
     Examples
     --------
-    >>> {"cpm", "skeleton", "snake", "gvf", "geodesic"} <= set(cpm.METHODS)
+    >>> {"cpm", "published", "skeleton", "snake", "gvf", "geodesic"} <= set(cpm.METHODS)
     True
     >>> image, parameters = cpm.example("disk"), cpm.Parameters()
     >>> method = cpm.METHODS["cpm"](image, parameters)
@@ -179,6 +180,6 @@ class Steerable(Method[S], Protocol[S]):
 
 
 RUN_METHODS: Mapping[str, type[Method[Any]]] = MappingProxyType(
-    {method.name: method for method in (Engine, SkeletonMethod)}
+    {method.name: method for method in (Engine, Published, SkeletonMethod)}
 )
 """All methods by name."""

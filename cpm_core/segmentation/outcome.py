@@ -3,38 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 from cpm_core.contours.contour import Bridge
-from cpm_core.contours.result import Result
+from cpm_core.contours.result import Result, build_result
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
 from cpm_core.model.plane.state import PlaneState
-from cpm_core.model.state import State
 from cpm_core.model.volume.state import VolumeState
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
-
-
-def build_result(state: State, image: Image, parameters: Parameters, **found: Any) -> Result:
-    """Build the result of a run at a state, with the contours and bridges, or the surface, that were found."""
-    return Result(
-        particles=state.position,
-        steps=state.step,
-        converged=state.converged,
-        stop_reason=state.stop_reason,
-        shape=image.shape,
-        spacing=image.spacing,
-        unit=image.unit,
-        source=image.source,
-        image=image,
-        regions=state.regions,
-        channel=image.resolve_channel(parameters.channel),
-        **found,
-    )
 
 
 def find_state_contours(

@@ -14,7 +14,7 @@ from cpm_core.model.plane import step as plane
 from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.plane.step import insert_and_delete
 from cpm_core.parameters import Parameters
-from cpm_core.reconstruction import reconstruct_curve
+from cpm_core.published.crust import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
 from docs.gallery import silhouettes
 from docs.gallery.pages import Page, Panel, Picture, Stairs

@@ -35,6 +35,7 @@ from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import HISTORY_STEPS, Particles, State
 from cpm_core.model.volume.state import VolumeParticles, VolumeState
 from cpm_core.numerics.types import Extent, JsonDict, Numbers, Sides
+from cpm_core.published import Published, PublishedState
 
 _SCALAR_FIELDS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
 """Fields of a state that are single values -> their type."""
@@ -63,6 +64,8 @@ def state_to_json(state: State) -> JsonDict:
             arrays["window"] = np.array([(side.start, side.stop) for side in state.window])
         if state.mesh is not None:
             plain["mesh"] = _mesh_to_json(state.mesh)
+    elif isinstance(state, PublishedState):
+        plain["method"] = Published.name
     return plain | {name: array_to_json(array) for name, array in arrays.items()}
 
 
@@ -94,10 +97,13 @@ def state_from_json(plain: object, shape: Extent, scales: int, spacing: Sides = 
     position, start = read_array("position", float, count, axes), read_array("start", float, None, axes)
     velocity, force = read_array("velocity", float, count, axes), read_array("force", float, count, 2, axes)
     arrays = position, velocity, force, read_array("distance", float, count, HISTORY_STEPS), identity
-    pitch = pitch_of(spacing or (1.0,) * axes) if axes == 3 else None
+    published = given.get("method") == Published.name
+    pitch = pitch_of(spacing or (1.0,) * axes) if axes == 3 and not published else None
     for name, places, within in (("position", position / (pitch or 1.0), size), ("start", start, shape)):
         if not is_inside_image(places, within).all():
             raise ValueError(f"{name} of state contains a position outside the image.")
+    if published:
+        return PublishedState(Particles(*arrays), start, shape, **values)
     if pitch is not None:
         normal, seated = read_array("normal", float, count, 3), read_array("seated", np.int32, count)
         strength, woken = read_array("strength", float, count), read_array("woken", np.int64, count)

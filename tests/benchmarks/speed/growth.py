@@ -22,12 +22,12 @@ import numpy as np
 import scipy
 
 from cpm_core.field.edge_map import edge_map
-from cpm_core.field.electric_field import electric_field
 from cpm_core.model.coulomb import coulomb_force
 from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.model.volume.starts import sphere
 from cpm_core.numerics.types import Pixels
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.published.electric_field import electric_field
 from cpm_core.segmentation.evolve import segment
 from tests.benchmarks.speed.measurement import Patience, seconds_of
 from tests.benchmarks.speed.scenes import along_curves, one_object, ring, tiled

@@ -12,7 +12,7 @@ from cpm_core.model.coulomb import coulomb_force
 from cpm_core.model.starts import uniform_grid
 from cpm_core.model.state import State
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.reconstruction import reconstruct_curve
+from cpm_core.published.crust import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
 from tests.benchmarks.speed.measurement import Measurement, Patience, milliseconds_of
 from tests.benchmarks.speed.scenes import HAND, along_curves, objects

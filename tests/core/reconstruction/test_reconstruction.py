@@ -12,7 +12,7 @@ from scipy.spatial import Delaunay, Voronoi
 from cpm_core import reconstruct_curve
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import build_scale_field
-from cpm_core.reconstruction.curve.crust import find_crust_edges
+from cpm_core.published.crust import find_crust_edges
 from cpm_core.reconstruction.curve.end_linking import link_loose_ends
 from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 

@@ -35,7 +35,7 @@ from cpm_core.shapes import (
     select_starts,
 )
 
-Mode = Literal["shape", "automatic", "skeleton"]
+Mode = Literal["shape", "automatic", "skeleton", "published"]
 """Purpose of a run; see `cpm_app.model.document.modes`."""
 
 NOTHING_TO_START_FROM = tr(
@@ -100,7 +100,7 @@ class Document:
         Parameters of the model.
     marks : tuple of Mark
         Review of contours.
-    mode : {"shape", "automatic", "skeleton"}
+    mode : {"shape", "automatic", "skeleton", "published"}
         Purpose of the run.
     hand_edits : tuple of HandEdit
         Edits of the contours by hand, in the order in which they were made.

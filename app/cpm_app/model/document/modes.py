@@ -66,6 +66,13 @@ MODES: Mapping[Mode, ModeInfo] = {
         "skeleton",
         tr("Press {key:run} to find the skeleton of the objects in the image."),
     ),
+    "published": ModeInfo(
+        tr("As &published"),
+        tr("As published"),
+        tr("Runs the model of the publication, without what this program adds to it; it may not come to rest."),
+        "published",
+        "published",
+    ),
 }
 
 

@@ -29,6 +29,7 @@ _BUILT_IN_TEXTS = {
         tr("Finds both sides of anything long and thin, darker or brighter than its surroundings."),
     ),
     "noisy": (tr("Noisy image"), tr("Chooses the smoothing from the noise of the image.")),
+    "published": (tr("As published"), tr("The values of the publication.")),
     "fluorescence": (
         tr("Fluorescence"),
         tr("Finds bright objects on a dark background, without their texture."),

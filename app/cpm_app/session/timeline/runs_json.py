@@ -13,6 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.model.document.modes import MODES
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.timeline.stored_runs import (
@@ -31,7 +32,7 @@ from cpm_app.session.timeline.timeline_nodes import (
     RunAction,
     StepAction,
 )
-from cpm_core import Parameters, PlacedCharge, State
+from cpm_core import RUN_METHODS, Parameters, PlacedCharge, State
 from cpm_core.field import sort_charges
 from cpm_core.formats import (
     Reading,
@@ -273,5 +274,6 @@ def _read_state(
     taken = stored.steps[step - stored.branch.first][0]
     if state.step != step or not isinstance(taken, StepAction):
         raise ValueError(f"the state of step {step} is that of step {state.step}.")
-    steering, regions, charges = taken.parameters.steering, taken.regions, sort_charges(taken.charges)
+    steering = RUN_METHODS[MODES[run.document.mode].method].steering(taken.parameters)
+    regions, charges = taken.regions, sort_charges(taken.charges)
     return (number_of, step), replace(state, steering=steering, regions=regions, charges=charges)

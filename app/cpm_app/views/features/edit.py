@@ -63,7 +63,7 @@ class DrawFeature(Feature):
                           checked_when=lambda now: start in now.document.shapes)  # fmt: skip
 
 
-_MODE_KEYS = {"shape": "Ctrl+F1", "automatic": "Ctrl+F2", "skeleton": "Ctrl+F3"}
+_MODE_KEYS = {"shape": "Ctrl+F1", "automatic": "Ctrl+F2", "skeleton": "Ctrl+F3", "published": "Ctrl+F4"}
 """Default key of each mode."""
 
 

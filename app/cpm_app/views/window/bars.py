@@ -99,7 +99,7 @@ def _create_mode_buttons(actions: Actions) -> QWidget:
     segments = QWidget()
     segments.setObjectName("segments")
     row = fill_layout(QHBoxLayout(segments), margins=(6, 0, 6, 0), spacing=0)
-    for mode, place in zip(MODES, ("first", "middle", "last"), strict=True):
+    for mode, place in zip(MODES, ("first", "middle", "middle", "last"), strict=True):
         name = f"mode_{mode}"
         button = QToolButton(toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextOnly)
         button.setDefaultAction(actions[name])

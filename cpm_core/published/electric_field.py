@@ -5,10 +5,10 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from cpm_core.field.convolution import convolved_field
-from cpm_core.field.pppm import pppm_field
 from cpm_core.numerics.real_numbers import check_finite_number, check_image_values
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.formatting import quote_value
+from cpm_core.published.pppm import pppm_field
 
 FIELD_METHODS = ("convolution", "pppm")
 """Methods for the computation of the field."""
@@ -30,7 +30,7 @@ def electric_field(
         Edge strength ``f`` of every pixel.
     method : {"convolution", "pppm"}
         How the sum is computed: exactly, as one Fourier convolution, or as published, by direct sums over near charges
-        and Poisson's equation on a mesh for far ones (`cpm_core.field.pppm` compares it with the convolution).
+        and Poisson's equation on a mesh for far ones (`cpm_core.published.pppm` says how well).
     exponent : float, optional
         Power of the distance with which the force of one charge decays; by default the dimension ``D``. In the plane
         this is the paper's inverse square; in space the inverse square would leave almost no field inside a closed
