@@ -92,9 +92,10 @@ def start_scale(state: StateT, scale: int, regions: AnyRegions | None) -> StateT
     return replace(begun, particles=replace(begun.particles, crept=crept[allowed]))
 
 
-def count_allowed(position: Array, scale: int, shape: Extent, regions: AnyRegions | None) -> int:
-    """Return at how many positions, shape (N, D) [px of the image], a particle may be at a scale."""
-    return int(np.count_nonzero(_may_be_at(to_scale(position, scale, shape), scale, shape, regions)))
+def allowed_places(position: Array, scale: int, shape: Extent, regions: AnyRegions | None) -> Array:
+    """Return positions, shape (N, D) [px of the image], at a scale, without those where no particle may be."""
+    places = to_scale(position, scale, shape)
+    return places[_may_be_at(places, scale, shape, regions)]
 
 
 def _may_be_at(places: Array, scale: int, shape: Extent, regions: AnyRegions | None) -> Mask:

@@ -19,7 +19,7 @@ from cpm_core.field.interpolation import interpolate_component, pixel_before
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.model.coverage import COVERAGE_CELL, COVERAGE_REACH, NEVER_COVERED, Coverage, cell_of
 from cpm_core.model.equations import IDLE_STEPS
-from cpm_core.model.interventions import count_allowed
+from cpm_core.model.interventions import allowed_places
 from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.state import State
 from cpm_core.numerics.grids import run_in_bands
@@ -66,7 +66,7 @@ def drop_explained_seeds(state: State, field: ScaleField) -> State:
     """
     if not isinstance(state, PlaneState):
         return state
-    first = state.count - count_allowed(state.start, state.scale, state.shape, state.regions)
+    first = state.count - len(allowed_places(state.start, state.scale, state.shape, state.regions))
     place = state.particles.position
     seeds = np.zeros(state.coverage.found.shape, bool)
     row, col = _cell_indices(place[first:], seeds.shape)

@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from cpm_core.segmentation.reach.reach_map import build_reach_map, creeping_distance
 from scipy.spatial import cKDTree
 
 from cpm_core.contours.contour import sample_contours
@@ -15,7 +16,6 @@ from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.drawn_area import drawn_area, typical_radius
-from cpm_core.segmentation.reach.reach_map import build_reach_map, creeping_distance
 from tests.core import scenes
 
 SHAPE = PRESETS["shape"]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cpm_core.segmentation.reach.bounding import object_enclosed_by
 from scipy.spatial import cKDTree
 
 from cpm_core.contours.contour import sample_contours
@@ -9,7 +10,6 @@ from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.evolve import segment
-from cpm_core.segmentation.reach.bounding import object_enclosed_by
 from cpm_core.segmentation.reach.drawn_area import drawn_area, hollow_part
 
 ROW, COL = np.indices((120, 160))
