@@ -92,10 +92,7 @@ class _End(NamedTuple):
 
 
 def join_pieces(pieces: list[ContourPiece], chunks: Sequence[int], least: float) -> list[Contour]:
-    """Join the pieces of all chunks to contours; `chunks` holds the chunk of each piece.
-
-    Those that are shorter than `least` are left out, except between two junctions.
-    """
+    """Join the pieces of all chunks to contours of at least this length; `chunks` holds the chunk of each piece."""
     import shapely
 
     lines = [shapely.LineString(piece.contour.path) for piece in pieces]
@@ -122,9 +119,7 @@ def join_pieces(pieces: list[ContourPiece], chunks: Sequence[int], least: float)
                         ends[m, known[0]] = _End(n, end, _find_continuation(back, pieces[n].contour.points)[1])
                         break
     left = [n for n in range(len(pieces)) if n not in gone]
-    return [
-        one for one in _trim_shared_ends(_chain_pieces(pieces, left, ends)) if one.length >= least or all(one.junctions)
-    ]
+    return [one for one in _trim_shared_ends(_chain_pieces(pieces, left, ends)) if one.length >= least]
 
 
 def _trim_shared_ends(contours: list[Contour]) -> Iterator[Contour]:

@@ -24,6 +24,9 @@ hundredths. What is narrower lies between contours that run together, and is no 
 _VERTEX_GRID = 2.0**-20
 """Spacing of the grid to which vertices are rounded, so that a vertex near a line is on it [px]."""
 
+_NO_CONTOUR = -1
+"""Number of a piece of the net that is no contour."""
+
 
 @record
 class Face:
@@ -62,7 +65,9 @@ class Face:
         return format_repr("Face", f"{self.area:,.1f} px²", holes, format_count(len(self.contours), "contour"))
 
 
-def find_faces(contours: Contours, spacing: Sequence[float] = (1.0, 1.0)) -> tuple[Face, ...]:
+def find_faces(
+    contours: Contours, spacing: Sequence[float] = (1.0, 1.0), links: Sequence[Array] = ()
+) -> tuple[Face, ...]:
     """Find the faces of the net of contours, the largest first.
 
     Their insides are disjoint, and together they are all that the net encloses. A piece with a loose end in a face
@@ -74,22 +79,25 @@ def find_faces(contours: Contours, spacing: Sequence[float] = (1.0, 1.0)) -> tup
         Contours in px of the image, open and closed.
     spacing : sequence of float
         Size of a pixel along (row, col), in any unit.
+    links : sequence of ndarray, each of shape (K, 2)
+        Pieces that are no contours but part of the net [px]; see `Result.links`.
     """
     import shapely  # noqa: PLC0415 - takes long to load
 
     numbers = [number for number, contour in enumerate(contours) if len(contour.points) > 1]
     if not numbers:
         return ()
-    paths = [contours[number].path for number in numbers]
+    paths = [*(contours[number].path for number in numbers), *links]
+    numbers += [_NO_CONTOUR] * len(links)
     tree = PathTree(paths)
     lines = shapely.linestrings(np.concatenate(paths), indices=repeat_indices([len(path) for path in paths]))
     ends = np.concatenate([path[[0, -1]] for path in paths])
     end, path, away = tree.pairs_within(ends, _CONTACT_DISTANCE)
     off = (away > 0.0) & (path != end // 2)
-    links = shapely.shortest_line(shapely.points(ends[end[off]]), lines[path[off]])
+    contacts = shapely.shortest_line(shapely.points(ends[end[off]]), lines[path[off]])
     closing = shapely.linestrings(ends.reshape(-1, 2, 2))
     closing = closing[shapely.length(closing) <= _CONTACT_DISTANCE]
-    net = shapely.union_all(np.concatenate([lines, links, closing]), grid_size=_VERTEX_GRID)
+    net = shapely.union_all(np.concatenate([lines, contacts, closing]), grid_size=_VERTEX_GRID)
     polygons = shapely.get_parts(shapely.polygonize([net]))
     area, around = shapely.area(polygons), shapely.length(polygons)
     order = np.argsort(-area, kind="stable")
@@ -114,7 +122,9 @@ def find_faces(contours: Contours, spacing: Sequence[float] = (1.0, 1.0)) -> tup
         sides = (middle for ring in rings for middle in _middles(ring[:-1], ring[1:]).tolist())
         along = set().union(*(contours_at.get(middle, ()) for middle in sides))
         outer, *holes = (ring[:-1] for ring in rings)
-        found.append(Face(outer, tuple(holes), tuple(sorted(along)), own, own * float(np.prod(spacing))))
+        found.append(
+            Face(outer, tuple(holes), tuple(sorted(along - {_NO_CONTOUR})), own, own * float(np.prod(spacing)))
+        )
     return tuple(found)
 
 

@@ -201,30 +201,36 @@ class Graph:
                 moved.add(kept)
             elif weights[gone] > weights[kept]:
                 kept, gone = gone, kept
-            self._merge_vertices(kept, gone)
+            for other in self.neighbors(gone):
+                self.remove_edges((gone, other))
+                if other != kept:
+                    self.add_edge(kept, other)
 
-    def drop_junction_links(self, max_length: float) -> None:
-        """Remove paths between two junctions that are shorter than `max_length` [px], shortest first.
+    def drop_junction_links(self, max_length: float) -> list[Array]:
+        """Remove paths between two junctions that are shorter than `max_length` [px], shortest first, and return them.
 
         Such links occur at the mouth of a narrow slit, where they connect its two sides.
         """
         ways = self.find_paths()
         ties = self._junction_links(ways)
         ties = ties[ways.lengths[ties] < max_length]
+        dropped = []
         for way in ties[np.argsort(ways.lengths[ties], kind="stable")].tolist():
             path = ways.path_vertices(way)
             if min(map(self.degree, (path[0], path[-1]))) > 2:
                 self.remove_path(path)
+                dropped.append(self.points[path])
+        return dropped
 
-    def merge_passes(self, max_distance: float) -> None:
-        """Merge two paths into a junction where they pass each other within `max_distance` [px], nearest pairs first.
+    def find_passes(self, max_distance: float) -> Array:
+        """Find where two paths pass each other within `max_distance` [px]; the two places of each, shape (N, 2, 2).
 
-        Along the graph the two vertices are at least `_MIN_PASS_DETOUR` times as far apart.
+        Along the graph the two places are at least `_MIN_PASS_DETOUR` times as far apart.
         """
         ways = self.find_paths()
         inner = np.flatnonzero(self.degrees == 2)
         if not len(inner):
-            return
+            return np.empty((0, 2, 2))
         pairs = inner[scipy.spatial.cKDTree(self.points[inner]).query_pairs(max_distance, output_type="ndarray")]
         along, way = lengths_along(self.points[ways.vertices]), repeat_indices(np.diff(ways.start))
         along -= along[ways.start[way]]
@@ -238,22 +244,14 @@ class Graph:
         for one, other in product((0, 1), repeat=2):
             over = lengths[one, :, 0] + lengths[other, :, 1]
             around = np.minimum(around, np.where(ends[one, :, 0] == ends[other, :, 1], over, np.inf))
-        pairs = pairs[around > _MIN_PASS_DETOUR * max_distance]
-        middle = self.points[pairs].mean(axis=1)
-        order = np.argsort(np.linalg.norm(np.diff(self.points[pairs], axis=1)[:, 0], axis=1), kind="stable")
-        self.points, merged = self.points.copy(), np.empty((0, 2))
-        for n in order.tolist():
-            if (np.linalg.norm(merged - middle[n], axis=1) > _MIN_PASS_DETOUR * max_distance).all():
-                merged = np.concatenate([merged, middle[n : n + 1]])
-                self._merge_vertices(*pairs[n].tolist())
-                self.points[pairs[n, 0]] = middle[n]
-
-    def _merge_vertices(self, kept: int, gone: int) -> None:
-        """Give the edges of a vertex to another one."""
-        for other in self.neighbors(gone):
-            self.remove_edges((gone, other))
-            if other != kept:
-                self.add_edge(kept, other)
+        found = self.points[pairs[around > _MIN_PASS_DETOUR * max_distance]]
+        nearest = np.argsort(np.linalg.norm(found[:, 0] - found[:, 1], axis=1), kind="stable")
+        passes = np.empty((0, 2, 2))
+        for one in found[nearest]:
+            away = np.linalg.norm((passes - one).mean(axis=1), axis=1)
+            if (away > _MIN_PASS_DETOUR * max_distance).all():
+                passes = np.concatenate([passes, one[None]])
+        return passes
 
     def _junction_links(self, ways: GraphPaths) -> Index:
         """List the paths between two junctions."""
@@ -263,17 +261,17 @@ class Graph:
         """Measure the length of a path [px]."""
         return path_length(self.points[path])
 
-    def extract_contours(self) -> tuple[Contour, ...]:
-        """Extract the contours, longest first.
+    def extract_contours(self, min_length: float = 0.0) -> tuple[Contour, ...]:
+        """Extract the contours with a length of at least `min_length` [px], longest first.
 
         A cycle is closed even if dead ends branch off it.
         """
         ways = self.find_paths()
         forks = np.stack([self.degrees[ways.first] > 2, self.degrees[ways.last] > 2], axis=1) & ~ways.closed[:, None]
         rings, in_ring = self._find_rings(forks[:, 0] & forks[:, 1])
-        around = np.flatnonzero(rings.closed).tolist()
-        found = [Contour(self.points[rings.path_vertices(ring)], True) for ring in around]
-        for way in np.flatnonzero(~in_ring).tolist():
+        long = np.flatnonzero(rings.closed & (rings.lengths >= min_length))
+        found = [Contour(self.points[rings.path_vertices(ring)], True) for ring in long.tolist()]
+        for way in np.flatnonzero((ways.lengths >= min_length) & ~in_ring).tolist():
             before, behind = forks[way].tolist()
             found.append(
                 Contour(self.points[ways.path_vertices(way)], bool(ways.closed[way]), junctions=(before, behind))

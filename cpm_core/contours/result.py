@@ -21,7 +21,7 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Array, Extent, Sides, record
+from cpm_core.numerics.types import Array, Arrays, Extent, Sides, record
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.parameters.provenance import Provenance
@@ -58,6 +58,8 @@ class Result(drawing.Pictured):
         Name of the image for the user.
     bridges : tuple of Bridge
         Gaps that were bridged in the contours.
+    links : tuple of ndarray, each of shape (K, 2)
+        Pieces between two contours that are too short to be contours, but separate `faces` [px].
     image : Image or None
         The image in which the contours were found; None for contours that were not found in one.
     regions : Regions or VolumeRegions or None
@@ -93,6 +95,7 @@ class Result(drawing.Pictured):
     unit: str | None
     source: str
     bridges: tuple[Bridge, ...] = ()
+    links: Arrays = ()
     image: Image | None = None
     regions: AnyRegions | None = None
     channel: str = "luminance"
@@ -132,7 +135,7 @@ class Result(drawing.Pictured):
         >>> sum(contour.closed for contour in result.contours), [round(face.area, -1) for face in result.faces]
         (0, [400.0, 400.0, 400.0, 400.0])
         """
-        return find_faces(self.contours, self.spacing) if len(self.shape) == 2 else ()
+        return find_faces(self.contours, self.spacing, self.links) if len(self.shape) == 2 else ()
 
     def table(self, *, in_units: bool = False) -> Table:
         """Measure what the closed contours enclose, or the objects in a volume: one row a label of `labels`.

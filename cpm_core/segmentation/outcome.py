@@ -31,14 +31,22 @@ def find_state_contours(
 
     # otherwise an edge may be without particles because the user cleared it, and must not be traced
     covers_edges = state.converged and not state.charges and not state.erased
-    found, bridged = find_contours(state.particles.position, field, parameters, at_rest=covers_edges)
+    found, bridged, links = find_contours(state.particles.position, field, parameters, at_rest=covers_edges)
 
     places = [to_image_places(c.points) for c in found]
     contours = tuple(
         replace(c, points=points, strength=c.strength / size) for c, points in zip(found, places, strict=True)
     )
     bridges = tuple(Bridge(to_image_places(b.points), b.length * size, b.strength / size) for b in bridged)
-    return build_result(state, image, parameters, contours=contours, surface=None, bridges=bridges)
+    return build_result(
+        state,
+        image,
+        parameters,
+        contours=contours,
+        surface=None,
+        bridges=bridges,
+        links=tuple(map(to_image_places, links)),
+    )
 
 
 def find_state_surface(state: VolumeState, image: Image, field: VolumeField, parameters: Parameters) -> Result:

@@ -93,6 +93,7 @@ def _result_to_json(result: Outcome) -> JsonDict:
             }
             for bridge in result.bridges
         ]
+        content["links"] = list(map(round_coordinates, result.links))
     return content
 
 
@@ -173,6 +174,7 @@ def _result_from_json(plain: JsonObject) -> Result:
         image["unit"],
         str(image["name"]),
         tuple(Bridge(_parse_points(one), float(one["length"]), float(one["strength"])) for one in plain["bridges"]),
+        tuple(_parse_points({"points": one}) for one in plain.get("links", ())),
         channel=image.get("channel", "luminance"),
         provenance=Provenance(
             **{name: facts[name] for name in ("method", "parameters", "seeds", "scale", "steered") if name in facts},

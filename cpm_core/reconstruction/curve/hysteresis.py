@@ -95,14 +95,9 @@ def least_contour_length(smoothing: float, parameters: Parameters) -> float:
 def select_contours(
     contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters
 ) -> tuple[Contour, ...]:
-    """Select the contours that are neither too short nor degenerate, with their strength and contrast.
-
-    Between two junctions they may be as short as `min_length` allows: without them, the regions on their sides would
-    be one.
-    """
+    """Select the contours that are neither too short nor degenerate, with their strength and contrast."""
     least = max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length)
-    long = [c for c in contours if c.length >= (parameters.min_length if all(c.junctions) else least)]
-    chosen = [c for c in long if not c.closed or c.area >= parameters.d_min**2]
+    chosen = [c for c in contours if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)]
     return measure_contours(chosen, scale_field)
 
 

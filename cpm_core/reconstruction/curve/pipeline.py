@@ -7,7 +7,8 @@ from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.regions import BarrierMap
 from cpm_core.model.plane.births import select_survivors
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.polyline import path_length
+from cpm_core.numerics.types import Array, Arrays
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.end_linking import link_loose_ends
 from cpm_core.reconstruction.curve.gap_bridging import bridge_gaps
@@ -48,7 +49,7 @@ _BRIDGE_SPACING = 2.0
 
 def find_contours(
     positions: Array, scale_field: ScaleField, parameters: Parameters, at_rest: bool = False
-) -> tuple[tuple[Contour, ...], tuple[Bridge, ...]]:
+) -> tuple[tuple[Contour, ...], tuple[Bridge, ...], Arrays]:
     """Find the contours through particles.
 
     Parameters
@@ -68,6 +69,8 @@ def find_contours(
         In px of the scale, longest first.
     bridges : tuple of Bridge
         Bridged gaps in the contours.
+    links : tuple of ndarray, each of shape (K, 2)
+        Pieces between two contours that are too short to be contours, but separate faces.
     """
     on_edge = positions[scale_field.strength_at(positions) >= scale_field.floor]
     points, found = refine_to_ridge(on_edge, scale_field)
@@ -87,12 +90,17 @@ def find_contours(
         graph.drop_spurs(_LONGEST_SPUR * parameters.d_min)
     if parameters.max_gap == 0.0:  # else a short branch may be one side of a gap
         graph.drop_spurs(max(least_contour_length(scale_field.smoothing, parameters), parameters.min_length))
-    graph.drop_junction_links(_WIDEST_SLIT_MOUTH * scale_field.smoothing)
-    graph.merge_passes(_LEAST_APPARENT_WIDTH * scale_field.smoothing)
+    least = least_contour_length(scale_field.smoothing, parameters)
+    links = [
+        link
+        for link in graph.drop_junction_links(least)
+        if path_length(link) >= _WIDEST_SLIT_MOUTH * scale_field.smoothing
+    ]
+    links += list(graph.find_passes(_LEAST_APPARENT_WIDTH * scale_field.smoothing))
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
     bridges = bridge_gaps(graph, scale_field, parameters.max_gap, spacing, MIN_LENGTH_IN_SPACINGS * parameters.d_min)
-    contours = select_contours(graph.extract_contours(), scale_field, parameters)
-    return contours, select_bridges_on(bridges, contours)
+    contours = select_contours(graph.extract_contours(max(least, parameters.min_length)), scale_field, parameters)
+    return contours, select_bridges_on(bridges, contours), tuple(links)
 
 
 def _remove_barrier_crossings(graph: Graph, barrier_map: BarrierMap) -> None:

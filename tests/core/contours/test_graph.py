@@ -200,25 +200,30 @@ def test_an_empty_graph_has_no_paths():
         graph = Graph(points, np.zeros((0, 2), np.int64))
         for operation in (graph.drop_spurs, graph.drop_specks, graph.drop_junction_links, graph.merge_junctions):
             operation(5.0)
-        graph.merge_passes(5.0)
+        assert not len(graph.find_passes(5.0))
         assert len(graph.find_paths()) == 0
         assert len(graph.edges()) == 0
         assert graph.extract_contours() == ()
 
 
-@pytest.mark.parametrize(("gap", "meeting"), [(1.9, 1), (2.1, 0)])
-def test_curves_that_pass_each_other_narrowly_cross(gap, meeting):
+@settings(max_examples=40, deadline=None)
+@given(drawings(), st.floats(0.0, 25.0))
+def test_contours_of_a_least_length_are_those_of_all_that_reach_it(made, shortest):
+    graph, _ = both(made)
+    found, every = graph.extract_contours(shortest), graph.extract_contours()
+    assert [c.points.tolist() for c in found] == [c.points.tolist() for c in every if c.length >= shortest]
+
+
+@pytest.mark.parametrize(("gap", "passes"), [(1.9, 1), (2.1, 0)])
+def test_curves_that_come_within_the_distance_pass_each_other_but_no_tip_passes_itself(gap, passes):
     """Both branches of a hyperbola, and two sides of a tip, which are one curve."""
     along = np.linspace(-3.0, 3.0, 61)
     branch = np.stack([0.5 * gap * np.cosh(along), 0.5 * gap * np.sinh(along)], axis=1)
     tip = np.stack([0.9 * np.sin(np.linspace(-1.5, 1.5, 21)), 30.0 + np.cos(np.linspace(-1.5, 1.5, 21))], axis=1)
     edges = [pair for a, b in ((0, 61), (61, 122), (122, 143)) for pair in itertools.pairwise(range(a, b))]
-    graph = Graph(np.concatenate([branch, -branch, tip]), np.array(edges))
-    graph.merge_passes(2.0)
-    junctions = np.flatnonzero(graph.degrees > 2)
-    assert graph.degrees[junctions].tolist() == [4] * meeting
-    np.testing.assert_allclose(graph.points[junctions], np.zeros((meeting, 2)), atol=1e-9)
-    assert len(graph.extract_contours()) == 3 + 2 * meeting
+    found = Graph(np.concatenate([branch, -branch, tip]), np.array(edges)).find_passes(2.0)
+    assert len(found) == passes
+    np.testing.assert_allclose(np.linalg.norm(found[:, 0] - found[:, 1], axis=1), gap)
 
 
 CIRCLE = [(n, (n + 1) % 12) for n in range(12)]
