@@ -10,6 +10,22 @@ from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.types import Array, Single
 from cpm_core.numerics.vectors import Vector
 
+# Numbers of NumPy's type: for each plain one Numba would compile the functions that take it once more.
+FORCE_ROW = np.int64(0)
+"""Component of a packed force field, shape (H, W, 5): Lorentz force along the rows."""
+
+FORCE_COL = np.int64(1)
+"""Component: Lorentz force along the columns."""
+
+GRADIENT_ROW = np.int64(2)
+"""Component: image gradient along the rows."""
+
+GRADIENT_COL = np.int64(3)
+"""Component: image gradient along the columns."""
+
+EDGE_STRENGTH = np.int64(4)
+"""Component: edge strength."""
+
 
 def interpolate_field(field: NDArray[np.floating], positions: Array) -> Array:
     r"""Interpolate a field, shape (C, \*shape), linearly along each axis at positions, shape (N, D); shape (N, C).

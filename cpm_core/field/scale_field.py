@@ -53,13 +53,13 @@ _OFF_RIDGE_FRACTION = 0.4
 _KEPT_BEYOND_INTEREST = 4
 """Distance beyond the regions of interest up to which the edge map is kept, so that edges inside are complete [px]."""
 
-_SUMMIT_REACH = 2
+_SUMMIT_REACH = np.int64(2)  # one function compiled for both; see `interpolation`
 """Distance in which the ridge of an edge is searched [px]."""
 
-_FIELD_REACH = 1
+_FIELD_REACH = np.int64(1)
 """Distance in which the largest field next to a ridge is searched [px]."""
 
-_FORCE_OVERLAP = _SUMMIT_REACH + 1
+_FORCE_OVERLAP = int(_SUMMIT_REACH) + 1
 """Lines beyond a part of the image on which its forces depend: a central difference within reach of a ridge."""
 
 _STRENGTH_ROWS = 128

@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import interpolate_component, pixel_before
+from cpm_core.field.interpolation import GRADIENT_COL, GRADIENT_ROW, interpolate_component, pixel_before
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.model.coverage import COVERAGE_CELL, COVERAGE_REACH, NEVER_COVERED, Coverage, cell_of
 from cpm_core.model.equations import IDLE_STEPS
@@ -112,7 +112,7 @@ def _dilate_cells(cells: Mask, reach: int) -> Mask:
 def _direction_at(packed: Single, y: float, x: float) -> int:
     """Return the eighth of a turn in which an image rises at a position."""
     place = pixel_before(packed, y, x)
-    down, right = interpolate_component(packed, 2, place), interpolate_component(packed, 3, place)
+    down, right = interpolate_component(packed, GRADIENT_ROW, place), interpolate_component(packed, GRADIENT_COL, place)
     return int(4.0 * (np.arctan2(down, right) / np.pi + 1.0)) % 8
 
 

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.field.interpolation import interpolate_component, pixel_before
+from cpm_core.field.interpolation import EDGE_STRENGTH, FORCE_COL, FORCE_ROW, interpolate_component, pixel_before
 from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses_barrier
 from cpm_core.model.coverage import cell_of
@@ -444,9 +444,9 @@ def _slide_to_edge(packed: Single, faintest: float, farthest: float, y: float, x
         if (y - start_y) ** 2 + (x - start_x) ** 2 >= farthest**2:
             break
         place = pixel_before(packed, y, x)
-        if interpolate_component(packed, 4, place) < faintest:
+        if interpolate_component(packed, EDGE_STRENGTH, place) < faintest:
             break
-        f_y, f_x = interpolate_component(packed, 0, place), interpolate_component(packed, 1, place)
+        f_y, f_x = interpolate_component(packed, FORCE_ROW, place), interpolate_component(packed, FORCE_COL, place)
         squared = f_y**2 + f_x**2
         if slide == _MAX_SLIDES or squared < _SETTLED_FORCE**2:
             return squared < _MAX_EDGE_FORCE**2, y, x

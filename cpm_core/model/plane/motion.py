@@ -14,7 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import interpolate_component, pixel_before
+from cpm_core.field.interpolation import (
+    EDGE_STRENGTH,
+    FORCE_COL,
+    FORCE_ROW,
+    GRADIENT_COL,
+    GRADIENT_ROW,
+    interpolate_component,
+    pixel_before,
+)
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses_barrier
 from cpm_core.model.coverage import cell_of
@@ -81,12 +89,17 @@ def edge_state_at(packed: Single, y: float, x: float, floor: float) -> tuple[flo
     """Return the edge strength at a position, whether a particle there is on an edge, and the image gradient."""
     place = pixel_before(packed, y, x)
     f_y, f_x, strength = (
-        interpolate_component(packed, 0, place),
-        interpolate_component(packed, 1, place),
-        interpolate_component(packed, 4, place),
+        interpolate_component(packed, FORCE_ROW, place),
+        interpolate_component(packed, FORCE_COL, place),
+        interpolate_component(packed, EDGE_STRENGTH, place),
     )
     on_edge = is_on_edge(f_y**2 + f_x**2, strength, floor)
-    return strength, on_edge, interpolate_component(packed, 2, place), interpolate_component(packed, 3, place)
+    return (
+        strength,
+        on_edge,
+        interpolate_component(packed, GRADIENT_ROW, place),
+        interpolate_component(packed, GRADIENT_COL, place),
+    )
 
 
 PAIR_REACH = 2.0
@@ -344,11 +357,14 @@ def _step_particle(
     """
     last_y, last_x, old_y, old_x = history
     place = pixel_before(packed, y, x)
-    l_y, l_x = interpolate_component(packed, 0, place), interpolate_component(packed, 1, place)
+    l_y, l_x = interpolate_component(packed, FORCE_ROW, place), interpolate_component(packed, FORCE_COL, place)
     f_y, f_x = law.w1 * c_y + law.w2 * l_y, law.w1 * c_x + law.w2 * l_x
     n_y, n_x, on_edge = 0.0, 0.0, l_y**2 + l_x**2 < ON_EDGE_FORCE**2
     if on_edge:
-        n_y, n_x = interpolate_component(packed, 2, place), interpolate_component(packed, 3, place)
+        n_y, n_x = (
+            interpolate_component(packed, GRADIENT_ROW, place),
+            interpolate_component(packed, GRADIENT_COL, place),
+        )
         size = max(np.sqrt(n_y**2 + n_x**2), 1e-30)
         n_y, n_x = n_y / size, n_x / size
         if is_stuck(_size_along(f_y, f_x, n_y, n_x), _size_along(v_y, v_x, n_y, n_x), law.w1, idle):

@@ -63,7 +63,7 @@ _MAX_TRAVELLING_FRACTION = 0.25
 _HOLDING_STRENGTH = 1.25
 """Edge strength, in multiples of the edge floor, that holds particles in any case."""
 
-_OUTSIDE_COVERAGE = -1
+_OUTSIDE_COVERAGE = np.int64(-1)
 """Value for the idle steps of a particle outside the coverage map."""
 
 _GATHERING_STEPS = 100
