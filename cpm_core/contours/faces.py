@@ -9,12 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics.polyline import repeat_indices
 from cpm_core.numerics.segments import PathTree
-from cpm_core.numerics.types import Array, Arrays, Integers, record
+from cpm_core.numerics.types import Array, Arrays, record
 from cpm_core.parameters.formatting import format_count, format_repr
 
 _CONTACT_DISTANCE = 0.1
@@ -23,9 +22,6 @@ hundredths. What is narrower lies between contours that run together, and is no 
 
 _VERTEX_GRID = 2.0**-20
 """Spacing of the grid to which vertices are rounded, so that a vertex near a line is on it [px]."""
-
-_NO_CONTOUR = -1
-"""Number of a piece of the net that is no contour."""
 
 
 @record
@@ -38,8 +34,6 @@ class Face:
         Vertices (row, col) of its outer boundary in px of the image; the first is not repeated.
     holes : tuple of ndarray, each of shape (K, 2)
         Boundaries of what lies inside and is connected with it nowhere, likewise.
-    contours : tuple of int
-        Indices of the contours along its boundary.
     area : float
         Area without the holes [px²].
     area_in_units : float
@@ -48,21 +42,20 @@ class Face:
     Examples
     --------
     >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
-    >>> result.faces  # the ring, which both contours bound, and its hole
-    (<Face 1,495.0 px², 1 hole, 2 contours>, <Face 309.5 px², 1 contour>)
-    >>> len(result.faces[0].outer) == len(result.contours[0].points), result.faces[1].contours
-    (True, (1,))
+    >>> [(round(face.area, -1), len(face.holes)) for face in result.faces]  # the ring, and its hole
+    [(1490.0, 1), (310.0, 0)]
+    >>> len(result.faces[0].outer) == len(result.contours[0].points)
+    True
     """
 
     outer: Array
     holes: Arrays
-    contours: Integers
     area: float
     area_in_units: float
 
     def __repr__(self) -> str:
         holes = format_count(len(self.holes), "hole") if self.holes else ""
-        return format_repr("Face", f"{self.area:,.1f} px²", holes, format_count(len(self.contours), "contour"))
+        return format_repr("Face", f"{self.area:,.1f} px²", holes)
 
 
 def find_faces(
@@ -84,11 +77,9 @@ def find_faces(
     """
     import shapely  # noqa: PLC0415 - takes long to load
 
-    numbers = [number for number, contour in enumerate(contours) if len(contour.points) > 1]
-    if not numbers:
+    paths = [*(contour.path for contour in contours if len(contour.points) > 1), *links]
+    if not paths:
         return ()
-    paths = [*(contours[number].path for number in numbers), *links]
-    numbers += [_NO_CONTOUR] * len(links)
     tree = PathTree(paths)
     lines = shapely.linestrings(np.concatenate(paths), indices=repeat_indices([len(path) for path in paths]))
     ends = np.concatenate([path[[0, -1]] for path in paths])
@@ -105,29 +96,8 @@ def find_faces(
     if not len(polygons):
         return ()
 
-    # each piece of the net lies on one contour, or on several that run together; its longest side tells on which
-    points, piece = shapely.get_coordinates(shapely.get_parts(net), return_index=True)
-    within = piece[1:] == piece[:-1]
-    begin, end, piece = points[:-1][within], points[1:][within], piece[1:][within]
-    order = np.lexsort((np.linalg.norm(end - begin, axis=1), piece))
-    longest = order[np.append(np.diff(piece) > 0, True)]
-    side, path, _ = tree.pairs_within(0.5 * (begin + end)[longest], 2.0 * _VERTEX_GRID)
-    contours_at: dict[complex, set[int]] = {}
-    for middle, number in zip(_middles(begin, end)[longest[side]].tolist(), path.tolist(), strict=True):
-        contours_at.setdefault(middle, set()).add(numbers[number])
-
     found = []
     for polygon, own in zip(polygons, shapely.area(polygons).tolist(), strict=True):
-        rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(polygon)]
-        sides = (middle for ring in rings for middle in _middles(ring[:-1], ring[1:]).tolist())
-        along = set().union(*(contours_at.get(middle, ()) for middle in sides))
-        outer, *holes = (ring[:-1] for ring in rings)
-        found.append(
-            Face(outer, tuple(holes), tuple(sorted(along - {_NO_CONTOUR})), own, own * float(np.prod(spacing)))
-        )
+        outer, *holes = (shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(polygon))
+        found.append(Face(outer, tuple(holes), own, own * float(np.prod(spacing))))
     return tuple(found)
-
-
-def _middles(begin: Array, end: Array) -> NDArray[np.complex128]:
-    """Return twice the middle of sides, shape (N,), the same to the bit in both directions."""
-    return np.ascontiguousarray(begin + end).view(np.complex128)[:, 0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import pairwise, product
+from itertools import pairwise
 
 import numpy as np
 import scipy
@@ -225,7 +225,7 @@ class Graph:
     def find_passes(self, max_distance: float) -> Array:
         """Find where two paths pass each other within `max_distance` [px]; the two places of each, shape (N, 2, 2).
 
-        Along the graph the two places are at least `_MIN_PASS_DETOUR` times as far apart.
+        Along one path the two places, and the ends of two from them, are at least `_MIN_PASS_DETOUR` times as far.
         """
         ways = self.find_paths()
         inner = np.flatnonzero(self.degrees == 2)
@@ -236,15 +236,13 @@ class Graph:
         along -= along[ways.start[way]]
         place = np.empty(len(self.points), np.int64)
         place[ways.vertices] = np.arange(len(way))  # a junction has several places; they are not used
-        own = way[place[pairs]]
-        to_first = along[place[pairs]]
-        lengths = np.stack([to_first, ways.lengths[own] - to_first])
-        ends = np.stack([ways.first, np.where(ways.closed, ways.first, ways.last)])[:, own]
-        around = np.where(own[:, 0] == own[:, 1], np.abs(to_first[:, 0] - to_first[:, 1]), np.inf)
-        for one, other in product((0, 1), repeat=2):
-            over = lengths[one, :, 0] + lengths[other, :, 1]
-            around = np.minimum(around, np.where(ends[one, :, 0] == ends[other, :, 1], over, np.inf))
-        found = self.points[pairs[around > _MIN_PASS_DETOUR * max_distance]]
+        own, first = way[place[pairs]], along[place[pairs]]
+        length = ways.lengths[own]
+        apart = np.abs(first[:, 0] - first[:, 1])
+        apart = np.where(ways.closed[own[:, 0]], np.minimum(apart, length[:, 0] - apart), apart)
+        to_end = np.where(ways.closed[own], np.inf, np.minimum(first, length - first)).min(axis=1)
+        detour = np.where(own[:, 0] == own[:, 1], apart, to_end)
+        found = self.points[pairs[detour > _MIN_PASS_DETOUR * max_distance]]
         nearest = np.argsort(np.linalg.norm(found[:, 0] - found[:, 1], axis=1), kind="stable")
         passes = np.empty((0, 2, 2))
         for one in found[nearest]:
