@@ -11,8 +11,8 @@ normals point away from it.
 
 Thin vessels are so thin and faint that no particle stays on them. The path between two parts along which the volume
 stays brightest runs along such a vessel. It differs from a chance path through noise by its contrast against its
-surroundings everywhere along it, in units of the noise, and from the blur between two objects by its length: blur does
-not reach that far.
+surroundings, whose significance grows with its length, and from the blur between two objects by what is left of it in
+the middle: blur does not reach that far.
 """
 
 from __future__ import annotations
@@ -268,13 +268,20 @@ _MIN_PARTICLES_ON_PART = 12
 _NORMAL_QUARTILE = 0.6744897501960817
 """Distance from the mean within which half of normal noise lies [standard deviations]."""
 
-_MIN_VESSEL_CONTRAST = 3.0
-"""Least contrast of a thin vessel everywhere along it [standard deviations of the noise]."""
+_MIN_VESSEL_LEVEL = 2.0
+"""Least gray level over the background everywhere along a thin vessel [standard deviations of the noise]."""
+
+_MIN_VESSEL_CONTRAST = 4.0
+"""Least mean contrast of the middle half of a thin vessel [standard deviations of such a mean]."""
+
+_NOISE_LENGTH = 3.5
+"""Length over which smoothed noise counts as one sample: the integral of its autocorrelation [widths of a smoothed
+step]."""
 
 _MIN_CONTRAST_SHARE = 0.2
-"""Least contrast of a thin vessel, as a share of the contrast at which the edges of the two parts lie."""
+"""Least mean contrast of that half, as a share of the contrast at which the edges of the two parts lie."""
 
-_SHORTEST_VESSEL = 3.5
+_SHORTEST_VESSEL = 5.0
 """Least length of a thin vessel [widths of a smoothed step]: the blur of two edges farther apart adds up to less than
 `_MIN_CONTRAST_SHARE`."""
 
@@ -294,7 +301,7 @@ _MIN_FALL_SHARE = 0.5
 """Least fall of the gray level in each direction, as a share of the mean fall."""
 
 _AVERAGED_VOXELS = 3
-"""Number of voxels along a path over which its contrast is averaged."""
+"""Number of voxels along a path over which its direction is averaged."""
 
 _VESSEL_SADDLES_APART = 6
 """Distance between saddles of the same two parts that are examined for thin vessels [voxels]."""
@@ -326,7 +333,7 @@ def bridge_thin_vessels(height: Single, begin: Index, surroundings: SaddleSurrou
     background, noise = _estimate_background(gray, inner <= -HEIGHT_AWAY_FROM_PARTICLES)
     edges = surroundings.sign * interpolate_gray(surroundings.volume, surroundings.points)
     floor = background + max(
-        _MIN_VESSEL_CONTRAST * noise,
+        _MIN_VESSEL_LEVEL * noise,
         _MIN_CONTRAST_SHARE * (float(np.quantile(edges, _FAINT_EDGE_QUANTILE)) - background),
     )
 
@@ -343,11 +350,13 @@ def bridge_thin_vessels(height: Single, begin: Index, surroundings: SaddleSurrou
         )
         if not near.any():
             return False
-        contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _AVERAGED_VOXELS)[
-            _AVERAGED_VOXELS // 2 : -(_AVERAGED_VOXELS // 2)
-        ]
-        least = max(_MIN_VESSEL_CONTRAST * noise, _MIN_CONTRAST_SHARE * (edges[near].mean() - background))
-        return bool(contrast.min() >= least and (falls.mean(0) >= _MIN_FALL_SHARE * falls.mean()).all())
+        contrast, quarter = falls.mean(1), len(falls) // 4
+        samples = max(float(steps.sum()) / (_NOISE_LENGTH * width), 1.0)
+        least = max(
+            _MIN_VESSEL_CONTRAST * noise / np.sqrt(samples), _MIN_CONTRAST_SHARE * (edges[near].mean() - background)
+        )
+        lasts = contrast[quarter : len(contrast) - quarter].mean() >= least
+        return bool(lasts and (falls.mean(0) >= _MIN_FALL_SHARE * falls.mean()).all())
 
     reach = int(np.ceil(_LONGEST_VESSEL * width / 2.0 / surroundings.size.min())) + 2
     ways = find_saddle_paths(gray, gray > floor, parts, wanted, _VESSEL_SADDLES_APART, reach, is_thread)
