@@ -158,7 +158,7 @@ class ScaleField:
             values=self.values[window],
             fixed_charges=self.fixed_charges[window],
             barrier_map=self.barrier_map.crop_to_window(window),
-            area=self.area[window] if self.area.size else self.area,
+            area=np.ascontiguousarray(self.area[window]) if self.area.size else self.area,
             corner=corner,
             whole=self,
         )

@@ -78,7 +78,7 @@ def test_erased_particles_are_gone_and_the_others_are_unchanged(engine, left):
     upper = left.position[:, 0] < 40.0
     erased = engine.erase_particles(left, upper)
     assert erased.count == int((~upper).sum())
-    for name in ("position", "velocity", "force", "distance", "identity"):
+    for name in ("position", "velocity", "force", "distance", "identity", "crept"):
         np.testing.assert_array_equal(getattr(erased.particles, name), getattr(left.particles, name)[~upper])
     np.testing.assert_array_equal(erased.start, left.start)
     assert erased.converged
