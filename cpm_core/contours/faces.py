@@ -46,7 +46,7 @@ class Face:
     --------
     >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
     >>> result.faces  # the ring, which both contours bound, and its hole
-    (<Face 1,495.0 px², 1 hole, 2 contours>, <Face 309.5 px², 1 contour>)
+    (<Face 1,494.8 px², 1 hole, 2 contours>, <Face 309.6 px², 1 contour>)
     >>> len(result.faces[0].outer) == len(result.contours[0].points), result.faces[1].contours
     (True, (1,))
     """

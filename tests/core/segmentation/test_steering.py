@@ -123,7 +123,7 @@ def test_a_barrier_before_a_front_holds_it_until_it_is_removed():
     held = walked(barred, states[-1], ONE_SCALE, 120)
     assert max(state.position[:, 1].max() for state in held) < barrier_col + 0.7
     assert held[-1].position[:, 1].max() > barrier_col - 3.0
-    free = walked(barred.with_regions(None), held[-1].resume(), ONE_SCALE, 150)
+    free = walked(barred.with_regions(None), held[-1].resume(), ONE_SCALE, 200)
     assert free[-1].position[:, 1].max() > 190.0
 
 

@@ -18,7 +18,7 @@ SHAPE = PRESETS["shape"]
 ROW, COL = np.indices((96, 160))
 LEFT, RIGHT, RADIUS = (48.0, 40.0), (48.0, 120.0), 22.0
 START = circle(LEFT, 10.0)
-BAND = 4.0
+BAND = 5.0
 """Width around an object that its area includes: the edge itself, its smoothing, and a pixel [px]."""
 
 
@@ -96,14 +96,6 @@ def test_a_line_as_strong_as_the_edge_around_two_disks_parts_them():
     assert not found[:, :75].any()
 
 
-def test_a_barrier_or_the_end_of_a_region_of_interest_bounds_an_area():
-    closed = np.zeros(TWO.shape, bool)
-    closed[:, 46] = True
-    found = area_of(TWO, circle((48.0, 30.0), 8.0), closed)
-    assert found[within(LEFT) & (COL < 45)].all()
-    assert not found[:, 50:].any()
-
-
 def test_the_same_object_in_a_large_image_has_the_same_area():
     """Searched in a window: an image of five million pixels is not flooded."""
     large = np.zeros((2100, 2400), np.float32)
@@ -170,9 +162,16 @@ def test_edges_weaker_than_a_fraction_of_those_around_the_area_hold_no_particle(
         assert other == holds
 
 
-def test_barriers_and_regions_of_an_engine_bound_the_area_of_a_start():
-    engine = Engine(TWO, SHAPE, Regions(barriers=(((4.0, 46.0), (92.0, 46.0)),)))
-    found = engine.start_area(circle((48.0, 30.0), 8.0), SHAPE)
+@pytest.mark.parametrize(
+    "regions",
+    [Regions(barriers=(((4.0, 46.0), (92.0, 46.0)),)), Regions(interest=(((0, 0), (95, 0), (95, 46), (0, 46)),))],
+    ids=["barrier", "region of interest"],
+)
+def test_an_area_ends_where_particles_may_not_go(regions):
+    values = TWO + np.random.default_rng(0).normal(0.0, 20.0, TWO.shape)
+    start = circle((48.0, 30.0), 8.0)
+    found = Engine(values, SHAPE, regions).start_area(start, SHAPE)
+    assert found[drawn_area(start, values.shape)].all()
     assert not found[:, 50:].any()
 
 
