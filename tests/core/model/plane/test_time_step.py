@@ -9,8 +9,8 @@ from cpm_core import Engine, Parameters, Regions, circle
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.model.coverage import idle_steps_at
 from cpm_core.model.equations import IDLE_STEPS, STILL_DISTANCE, equilibrium_epsilon
-from cpm_core.model.plane.motion import current_mesh_force, move_in_plane
 from cpm_core.model.plane import step as plane_step
+from cpm_core.model.plane.motion import current_mesh_force, move_in_plane
 from cpm_core.model.plane.step import insert_and_delete, move_particles
 
 from ...scenes import disk
