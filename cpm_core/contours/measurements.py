@@ -135,7 +135,7 @@ def measure(
     >>> for row in cpm.measure(result.contours, result.spacing):
     ...     print(row.number, row.label, row.inside, round(row.area), round(row.net_area))
     1 1 0 1804 1495
-    2 2 1 309 309
+    2 2 1 310 310
     """
     sizes = as_real_array(spacing)
     if sizes.shape != (2,) or not (np.isfinite(sizes) & (sizes > 0.0)).all():

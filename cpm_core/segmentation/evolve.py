@@ -259,10 +259,10 @@ def evolve(
     Examples
     --------
     >>> for moment in cpm.evolve(cpm.example(), cpm.circle((32, 32), 8)):
-    ...     if moment.step % 100 == 0:
+    ...     if moment.step % 80 == 0:
     ...         print(moment.step, moment.count, len(moment.contours))
     0 25 0
-    100 82 1
+    80 82 1
     """
     if max_steps is not None:
         check_finite_number(
@@ -326,7 +326,7 @@ def segment(
     --------
     >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
     >>> result
-    <Result disk, 1 contour (1 closed), 82 particles, at rest after 101 steps>
+    <Result disk, 1 contour (1 closed), 82 particles, at rest after 95 steps>
     >>> round(result.contours[0].area), result.converged
     (1251, True)
     >>> cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), cpm.Parameters(beta=0.6), max_steps=3).stop_reason

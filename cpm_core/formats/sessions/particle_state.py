@@ -96,7 +96,11 @@ def state_from_json(plain: object, shape: Extent, scales: int, spacing: Sides = 
     count = len(identity)
     position, start = read_array("position", float, count, axes), read_array("start", float, None, axes)
     velocity, force = read_array("velocity", float, count, axes), read_array("force", float, count, 2, axes)
-    arrays = position, velocity, force, read_array("distance", float, count, HISTORY_STEPS), identity
+    # states written before particles had it begin with none
+    crept = read_array("crept", float, count) if "crept" in given else np.zeros(count)
+    if (crept < 0.0).any():
+        raise ValueError("crept of state contains a distance below 0.")
+    arrays = position, velocity, force, read_array("distance", float, count, HISTORY_STEPS), identity, crept
     published = given.get("method") == Published.name
     pitch = pitch_of(spacing or (1.0,) * axes) if axes == 3 and not published else None
     for name, places, within in (("position", position / (pitch or 1.0), size), ("start", start, shape)):

@@ -64,7 +64,8 @@ def test_four_quarters_that_meet_in_an_x_are_faces(levels, smoothing):
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_nearly_every_inner_grain_of_a_honeycomb_is_a_face(seed):
+def test_the_inner_grains_of_a_honeycomb_are_faces(seed):
+    """All but one or two: on a short edge between two junctions there may be no particle at the end of a run."""
     row, col = np.mgrid[:9, :9].reshape(2, -1)
     moved = np.random.default_rng(seed).uniform(-2.5, 2.5, (2, 81))
     centers = np.stack([20.0 * row - 5.0, 23.0 * (col + 0.5 * (row % 2)) - 12.0], axis=1) + moved.T
@@ -78,9 +79,9 @@ def test_nearly_every_inner_grain_of_a_honeycomb_is_a_face(seed):
     inner = [grain for grain in grains if shapely.box(2.0, 2.0, 157.0, 157.0).covers(grain)]
     faces = [shapely.Polygon(face.outer, face.holes) for face in faces_drawn(160, gray)]
     assert len(inner) >= 20
-    found = [max(faces, key=lambda face: face.intersection(grain).area) for grain in inner]
-    same = [face.area == pytest.approx(grain.area, rel=0.02) for face, grain in zip(found, inner, strict=True)]
-    assert np.mean(same) >= 0.9
+    found = [max(faces, key=lambda face, grain=grain: face.intersection(grain).area) for grain in inner]
+    missing = [grain for grain, face in zip(inner, found, strict=True) if abs(face.area / grain.area - 1.0) > 0.02]
+    assert len(missing) <= 0.1 * len(inner)
 
 
 def test_a_closed_contour_is_a_face():

@@ -44,6 +44,7 @@ def even_scale_field(
         strongest=max(strength, 1.0),
         fixed_charges=np.full(shape, strength),
         floor=floor,
+        holding=0.0,
         smoothing=1.0,
     )
 

@@ -1,5 +1,8 @@
 """The motion of the particles, against analytic solutions of the equation of motion."""
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +10,15 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from cpm_core.model import equations
-from cpm_core.model.equations import coulomb_scale, damped_series, damping_coefficient, is_stuck, repulsion_left
+from cpm_core.model.equations import (
+    coulomb_scale,
+    creeping_range,
+    damped_series,
+    damping_coefficient,
+    is_stuck,
+    repulsion_left,
+)
+from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
 
 
 class Moving:
@@ -168,3 +179,33 @@ def test_friction_that_holds_holds_whatever_is_slower_pulled_less_or_idle_for_lo
         assert is_stuck(pull, speed, w1, idle + 20)
     # forces are in units of w1
     assert is_stuck(pull, speed, w1, idle) == is_stuck(4.0 * pull, speed, 4.0 * w1, idle)
+
+
+CREEPING = Parameters(reach=8.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("reach", (0.0, 5.0, 50.0, 299.0, UNLIMITED_REACH)),
+        ("annealing", (0.5, 0.9, 0.99, 0.999, 1.0)),
+        ("w1", (0.0, 0.1, 0.8, 1.6, 1.74)),
+        ("beta", (2.0, 1.2, 0.8, 0.4, 0.1)),
+    ],
+)
+def test_a_front_creeps_farther_with_more_reach_push_and_annealing_and_with_less_damping(name, values):
+    ranges = [creeping_range(replace(CREEPING, **{name: value})) for value in values]
+    assert all(before < after for before, after in pairwise(ranges))
+
+
+@pytest.mark.parametrize("reach", [0.0, 2.0, 120.0])
+def test_at_the_values_of_the_paper_a_front_creeps_as_far_as_the_reach(reach):
+    assert creeping_range(replace(PRESETS["shape"], reach=reach)) == pytest.approx(reach)
+
+
+def test_without_repulsion_no_front_creeps_and_without_annealing_or_limit_every_front_does_so_without_end():
+    assert creeping_range(replace(CREEPING, w1=0.0)) == 0.0
+    assert creeping_range(replace(CREEPING, w1=0.0, annealing=1.0)) == 0.0
+    assert creeping_range(replace(CREEPING, annealing=1.0)) == np.inf
+    assert creeping_range(replace(CREEPING, reach=UNLIMITED_REACH, w1=0.0)) == np.inf
+    assert np.isfinite(creeping_range(replace(CREEPING, beta=0.0)))

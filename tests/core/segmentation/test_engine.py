@@ -16,7 +16,7 @@ from ..scenes import disk, ring
 
 SCENE = disk((64, 60), (31.4, 29.7), 17.0)
 START = circle((31.0, 30.0), 8.0)
-ARRAYS = ("position", "velocity", "force", "distance", "identity")
+ARRAYS = ("position", "velocity", "force", "distance", "identity", "crept")
 
 
 @pytest.fixture(scope="module")
@@ -121,15 +121,6 @@ def test_a_run_without_particles_ends_with_a_reason(engine):
     assert "left the image" in ended.stop_reason
     assert not ended.converged
     assert engine.result(ended, Parameters()).contours == ()
-
-
-@pytest.mark.parametrize("annealing", [0.9, 0.99, 1.0])
-def test_insertion_range_is_annealed_at_every_step_and_whole_at_every_scale(engine, annealing):
-    states = run(engine, START, Parameters(annealing=annealing, d_max=2.5), 150)
-    later = [state for state in states if state.step_of_scale]
-    assert len(later) > 80
-    for state in later:
-        assert state.annealed == pytest.approx(annealing**state.step_of_scale, rel=1e-12)
 
 
 def test_identities_are_unique_and_never_reused(states):

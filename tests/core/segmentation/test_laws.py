@@ -8,10 +8,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
+from skimage.measure import find_contours
 
-from cpm_core import Engine, Parameters, circle, segment
+from cpm_core import PRESETS, Engine, Parameters, circle, segment
 
-from ..scenes import antialiased, outline_distance
+from ..scenes import antialiased, outline_distance, polygon
 
 SHAPE = (72, 66)
 CENTER = np.array([34.3, 32.6])
@@ -180,3 +182,48 @@ def test_an_object_is_found_from_any_distance(distance):
     result = segment(values, circle((60.0, 155.0 - distance), 6.0), Parameters(scales=1))
     assert result.converged
     assert [contour.closed for contour in result.contours] == [True]
+
+
+def found_of(boundary, result):
+    """Fraction of the points of a boundary within 2 px of particles."""
+    return (cKDTree(result.particles).query(boundary)[0] < 2.0).mean()
+
+
+def comb():
+    """A body with four slits of 6 px, open to the top."""
+    corners = [(8, 8)]
+    for left in (28, 48, 68, 88):
+        corners += [(8, left), (60, left), (60, left + 6), (8, left + 6)]
+    return polygon((80, 120), np.array([*corners, (8, 112), (72, 112), (72, 8)]) + 0.375)
+
+
+@pytest.mark.parametrize(("w1", "low", "high"), [(0.05 * 1.75, 0.0, 0.5), (1.6, 0.99, 1.0)])
+def test_repulsion_moves_the_front_without_it_a_comb_stays_unfilled(w1, low, high):
+    """Section 4.2: at the published weights particles are driven into every slit."""
+    scene = comb()
+    result = segment(scene.values, circle((66.0, 60.0), 4.0), Parameters(w1=w1))
+    assert result.converged
+    assert low <= found_of(scene.boundary, result) <= high
+
+
+@pytest.mark.parametrize("parameters", [Parameters(), Parameters(scales=1), PRESETS["shape"]])
+@pytest.mark.parametrize("place", [(34.0, 33.0), (28.0, 22.0)])
+def test_one_clicked_point_finds_a_disk(place, parameters):
+    (contour,) = segment(image("disk"), [place], parameters).contours
+    assert contour.closed
+    assert contour.area == pytest.approx(np.pi * 19.4**2, rel=0.02)
+
+
+@pytest.mark.parametrize("scales", [3, 1])
+def test_a_run_on_a_long_spiral_ends_at_rest_with_all_of_it(scales):
+    """No step limit ends it before: at one scale the front comes around after more than four hundred steps."""
+
+    def inside(row, col):
+        away, angle = np.hypot(row - 79.5, col - 79.5), np.arctan2(row - 79.5, col - 79.5)
+        return (np.mod(away / 12.0 - angle / (2.0 * np.pi), 1.0) < 0.5) & (away < 70.0) & (away > 6.0)
+
+    values = antialiased((160, 160), inside)
+    result = segment(values, circle((79.5, 148.5), 4.0), Parameters(scales=scales))
+    assert result.converged
+    assert result.steps > (400 if scales == 1 else 0)
+    assert found_of(np.concatenate(find_contours(values, 120.0)), result) > 0.97

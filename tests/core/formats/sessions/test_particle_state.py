@@ -92,12 +92,25 @@ def test_no_state_is_read_that_compiled_loops_cannot_bear(states) -> None:
         "reach of state": {"mesh": {"reach": 0.0}},
         "mesh of state": {"mesh": {"reach": 30.0, "force": array_to_json(np.zeros((2, 2, 2), np.float32))}},
         "velocity": {"velocity": array_to_json(np.full_like(outside, np.nan))},
+        "crept of state has the shape": {"crept": array_to_json(np.zeros(state.count + 1))},
+        "crept of state contains a distance below 0": {"crept": array_to_json(np.full(state.count, -1.0))},
+        "crept of state contains a value": {"crept": array_to_json(np.full(state.count, np.nan))},
         "less than nothing": {"idle": -4},
         "stop_reason": {"stop_reason": 3},
     }
     for says, changes in bad.items():
         with pytest.raises(ValueError, match=says):
             state_from_json(broken(states, **changes), SHAPE, 2)
+
+
+def test_how_far_each_particle_has_crept_is_read_back_and_a_state_without_it_begins_with_none(states) -> None:
+    particles = replace(states[20].particles, crept=np.linspace(0.0, 3.0, states[20].count))
+    plain = json.loads(json.dumps(state_to_json(replace(states[20], particles=particles))))
+    np.testing.assert_array_equal(state_from_json(plain, SHAPE, 2).particles.crept, particles.crept)
+    del plain["crept"]
+    older = state_from_json(plain, SHAPE, 2)
+    np.testing.assert_array_equal(older.particles.crept, np.zeros(states[20].count))
+    assert ENGINE.step(older.resume(), Parameters(scales=2)).step == older.step + 1
 
 
 SPACING = (1.5, 1.0, 1.0)

@@ -23,7 +23,7 @@ from cpm_core.model.plane.motion import edge_contact_at
 from cpm_core.model.plane.repulsion import build_plane_cells
 from cpm_core.model.state import Particles
 
-from ...scenes import disk, ring
+from ...scenes import ring
 from ..moving import crowds as crowded
 from ..moving import edge_contact, even_scale_field
 
@@ -120,34 +120,28 @@ def test_edge_contact_follows_the_field_between_the_pixels(edge):
 
 
 def births_of(
-    scale_field,
-    points,
-    d_max=3.0,
-    on_edge=True,
-    looking=True,
-    ahead=True,
-    present=True,
-    thorough=True,
-    turn=0,
-    d_min=2.0,
-    **parameters,
+    scale_field, points, d_max=3.0, on_edge=True, looking=True, present=True, thorough=True, d_min=2.0, **parameters
 ):
-    """New particles of those at some points; all are on an edge, search and are present unless given otherwise."""
+    """New particles of those at some points; all are on an edge, search and are present unless given otherwise.
+
+    `d_max` is what annealing has left of it, for all or for each.
+    """
     points = np.array(points, dtype=float).reshape(-1, 2)
-    asked = Parameters(d_min=d_min, d_max=max(d_max, 3.0), **parameters)
-    masks = (on_edge, looking, ahead, present, thorough)
-    contact_at, searching, searching_ahead, there, careful = (
-        np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy() for mask in masks
+    left = np.broadcast_to(np.asarray(d_max, dtype=float), len(points)).copy()
+    asked = Parameters(d_min=d_min, d_max=max(left.max(initial=0.0), 3.0), **parameters)
+    contact_at, searching, there, careful = (
+        np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy()
+        for mask in (on_edge, looking, present, thorough)
     )
     contact = replace(edge_contact(points, scale_field, search_range(asked)), on_edge=contact_at)
-    return find_insertions(
-        contact, SearchMasks(there, searching, careful, searching_ahead), scale_field, d_max, asked, turn
-    )
+    return find_insertions(contact, SearchMasks(there, searching, careful), scale_field, left, asked)
 
 
-def births_between(scale_field, points, d_max=3.0, on_edge=True, d_min=2.0):
-    """New particles by the rule for pairs alone: no particle searches ahead."""
-    return births_of(scale_field, points, d_max, on_edge, ahead=False, d_min=d_min)
+def births_between(scale_field, points, d_max=3.0, d_min=2.0):
+    """New particles between two others, without those of lone particles."""
+    births = births_of(scale_field, points, d_max, d_min=d_min)
+    paired = births.parents[:, 0] != births.parents[:, 1]
+    return PlaneBirths(births.position[paired], births.parents[paired])
 
 
 @pytest.mark.parametrize("distance", [2.21, 2.5, 3.7, 5.0])
@@ -181,52 +175,52 @@ def test_new_particles_are_midway_between_parents_within_range_and_apart_from_al
         assert apart(np.concatenate([points, births.position]))[len(points) :].min() >= 1.0
 
 
-def grown(scale_field, start, rounds, d_min=2.0):
-    """Particles after rounds of insertion from those at `start`, all of them on an edge and searching ahead."""
-    points = np.array(start, dtype=float)
-    for _ in range(rounds):
-        points = np.concatenate([points, births_of(scale_field, points, d_max=0.0, d_min=d_min).position])
-    return points
+@pytest.mark.parametrize(("left", "born"), [((0.0, 2.5), 1), ((2.5, 0.0), 1), ((1.5, 1.5), 0), ((0.0, 0.0), 0)])
+def test_the_particle_that_annealing_has_left_more_range_decides_on_a_pair(edge, left, born):
+    """Two particles 4 px apart need 2 px beyond d_min; both have another on the far side, so that none is alone."""
+    points = [(13.2, EDGE), (15.0, EDGE), (19.0, EDGE), (20.8, EDGE)]
+    births = births_of(edge, points, d_max=(0.0, *left, 0.0))
+    np.testing.assert_allclose(births.position, np.reshape(born * [(17.0, EDGE)], (-1, 2)), atol=1e-12)
 
 
-def test_a_front_covers_an_edge_from_end_to_end_and_nothing_else(edge):
-    points = grown(edge, [(20.0, EDGE)], 40)
-    assert np.abs(points[:, 1] - EDGE).max() < 1.0
-    rows = np.sort(points[:, 0])
-    assert rows[0] < 2.0
-    assert rows[-1] > 37.0
-    assert np.diff(rows).max() < 4.0
-    assert apart(points).min() > 1.0
+def test_a_particle_alone_on_an_edge_gets_one_companion_at_d_min_along_it(edge):
+    births = births_of(edge, [(20.0, EDGE)])
+    np.testing.assert_allclose(births.position, [(births.position[0, 0], EDGE)], atol=0.2)
+    assert abs(births.position[0, 0] - 20.0) == pytest.approx(2.0)
+    pair = np.concatenate([[(20.0, EDGE)], births.position])
+    assert len(births_of(edge, pair).position) == 0
 
 
-@pytest.mark.parametrize("angle", [0.0, 1.0, 2.5, 4.4])
-def test_a_front_goes_all_the_way_round_a_disk(angle):
-    scene = disk((56, 60), (27.4, 30.2), 19.0)
-    scale_field = build_scale_field(scene.values, 1.0, 0.0)
-    start = np.array([(27.4 + 19.0 * np.sin(angle), 30.2 + 19.0 * np.cos(angle))])
-    points = grown(scale_field, start, 60)
-    assert scene.distance(points).max() < 1.0
-    assert np.linalg.norm(scene.boundary[:, None] - points, axis=2).min(axis=1).max() < 2.0
-    again = grown(scale_field, points, 1)
-    assert len(again) == len(points)
+@pytest.mark.parametrize(("other", "left", "alone"), [(5.1, 3.0, True), (4.9, 3.0, False), (4.9, 2.5, True)])
+def test_only_a_particle_with_no_other_within_d_min_and_its_range_is_alone(edge, other, left, alone):
+    births = births_of(edge, [(15.0, EDGE), (15.0 + other, EDGE)], d_max=left)
+    assert (births.parents[:, 0] == births.parents[:, 1]).any() == alone
+    assert len(births_of(edge, [(15.0, EDGE + 6.0)]).position) == 0  # off the edge there is no place beside it
+
+
+def test_a_row_ahead_of_which_an_edge_is_free_grows_by_no_birth(edge):
+    rows = np.arange(10.0, 21.0, 2.0)
+    assert len(births_of(edge, np.stack([rows, np.full(len(rows), EDGE)], axis=1)).position) == 0
 
 
 def test_a_deleted_particle_is_no_parent_and_blocks_no_position(edge):
     points = [(15.0, EDGE), (16.9, EDGE), (18.6, EDGE)]
-    assert len(births_of(edge, points, ahead=False).position) == 0
-    births = births_of(edge, points, ahead=False, present=(True, False, True))
+    assert len(births_of(edge, points).position) == 0
+    births = births_of(edge, points, present=(True, False, True))
     np.testing.assert_allclose(births.position, [(16.8, EDGE)], atol=1e-12)
-    assert len(births_of(edge, points, ahead=False, present=(True, False, False)).position) == 0
+    (alone,) = births_of(edge, points, present=(True, False, False)).parents
+    assert alone.tolist() == [0, 0]
 
 
 def test_no_particle_is_inserted_across_a_barrier():
-    """Neither between two on both sides of it, nor ahead."""
+    """Neither between two on both sides of it, nor beside one that is alone."""
     scale_field = build_scale_field(upright(), 1.0, 0.0, Regions(barriers=(((20.2, 0.0), (20.2, 47.0)),)))
-    assert len(births_of(scale_field, [(19.0, EDGE), (22.0, EDGE)], ahead=False).position) == 0
-    assert len(births_of(scale_field, [(15.0, EDGE), (18.0, EDGE)], ahead=False).position) == 1
-    points = grown(scale_field, [(12.0, EDGE)], 40)
-    assert points[:, 0].max() < 20.2
-    assert points[:, 0].max() > 17.0
+    assert len(births_of(scale_field, [(19.0, EDGE), (22.0, EDGE)]).position) == 0
+    assert len(births_of(scale_field, [(15.0, EDGE), (18.0, EDGE)]).position) == 1
+    for row in (19.0, 21.4):
+        beside = births_of(scale_field, [(row, EDGE)]).position
+        assert ((beside[:, 0] < 20.2) == (row < 20.2)).all()
+        assert len(beside) == 1
 
 
 @pytest.fixture(scope="module")
@@ -245,12 +239,12 @@ def on_the_ring(seed, count=120):
 @settings(max_examples=16, deadline=None)
 @given(st.integers(0, 10**6), st.integers(5, 150), st.floats(0.0, 6.0))
 def test_new_particles_keep_their_distance_from_all_and_from_each_other(curved, seed, count, d_max):
-    """Half the distance of two parents, or 0.8 d_min ahead of one; and no more than three are within 1.5 d_min."""
+    """Half the distance of two parents, or half of d_min beside one; and no more than three are within 1.5 d_min."""
     points = on_the_ring(seed, count)
     births = births_of(curved, points, d_max=d_max)
     there = points
     for place, (one, other) in zip(births.position, births.parents, strict=True):
-        room = 1.6 if one == other else 0.5 * np.linalg.norm(points[one] - points[other]) - 2e-9
+        room = 1.0 if one == other else 0.5 * np.linalg.norm(points[one] - points[other]) - 2e-9
         distance = np.linalg.norm(there - place, axis=1)
         assert distance.min() >= room
         assert (distance < 3.0).sum() <= 3
@@ -258,27 +252,14 @@ def test_new_particles_keep_their_distance_from_all_and_from_each_other(curved, 
         there = np.concatenate([there, place[None]])
 
 
-@settings(max_examples=10, deadline=None)
-@given(st.integers(0, 10**6))
-def test_places_ahead_are_at_rest_on_the_edge_one_stride_off(curved, seed):
-    points = on_the_ring(seed, 12)
-    births = births_of(curved, points, d_max=0.0)
-    assert np.all(births.parents[:, 0] == births.parents[:, 1])
-    force = np.hypot(*interpolate_field(curved.lorentz, births.position).T)
-    assert np.all(force < 0.2 + 1e-6)
-    stride = np.linalg.norm(births.position - points[births.parents[:, 0]], axis=1)
-    assert np.all((stride >= 1.6) & (stride < 2.8))
-
-
 def parents(count=6, first=10):
     rng = np.random.default_rng(0)
     position, velocity = rng.normal(size=(2, count, 2))
-    return Particles(
-        position, velocity, rng.normal(size=(count, 2, 2)), rng.normal(size=(count, 4)), np.arange(first, first + count)
-    )
+    force, distance, crept = rng.normal(size=(count, 2, 2)), rng.normal(size=(count, 4)), rng.uniform(size=count)
+    return Particles(position, velocity, force, distance, np.arange(first, first + count), crept)
 
 
-def test_new_particles_inherit_the_mean_motion_of_their_parents():
+def test_new_particles_inherit_the_mean_motion_and_way_of_their_parents():
     old = parents()
     pairs = np.array([(0, 1), (2, 2), (5, 3)])
     place = np.array([(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)])
@@ -289,6 +270,7 @@ def test_new_particles_inherit_the_mean_motion_of_their_parents():
     for n, (i, j) in enumerate(pairs):
         np.testing.assert_allclose(after.velocity[5 + n], (old.velocity[i] + old.velocity[j]) / 2.0)
         np.testing.assert_allclose(after.force[5 + n], (old.force[i] + old.force[j]) / 2.0)
+        assert after.crept[5 + n] == pytest.approx((old.crept[i] + old.crept[j]) / 2.0)
     assert np.isnan(after.distance[5:]).all()
-    for name in ("position", "velocity", "force", "distance", "identity"):
+    for name in ("position", "velocity", "force", "distance", "identity", "crept"):
         np.testing.assert_array_equal(getattr(after, name)[:5], getattr(old, name)[stay])

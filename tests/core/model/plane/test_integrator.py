@@ -1,5 +1,6 @@
 """One compiled step of all particles, against eq. (12)-(15) in double precision on hand-made scale fields."""
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 
 from cpm_core import Parameters
 from cpm_core.field.scale_field import ON_EDGE_FORCE
-from cpm_core.model.equations import damped_series, damping_coefficient, is_stuck, repulsion_left
+from cpm_core.model.equations import MAX_TRAVEL, damped_series, damping_coefficient, is_stuck, repulsion_left
 from cpm_core.model.plane.motion import MovedParticles, move_in_plane
 from cpm_core.model.plane.repulsion import NO_MESH, mesh_force
 from cpm_core.model.state import HISTORY_STEPS, Particles
@@ -54,6 +55,7 @@ def aged(points, seed=0, speed=0.5):
         rng.normal(size=(count, 2, dimension)),
         rng.uniform(20.0, 50.0, (count, HISTORY_STEPS)),
         np.arange(count),
+        np.zeros(count),
     )
 
 
@@ -181,6 +183,44 @@ def on_edge(before, angle, size, idle):
     left = repulsion_left(idle)
     whole = force_truth(before.position, parameters, left, scale_field.packed[0, 0, :2].astype(float))
     return after, whole, normal
+
+
+@settings(max_examples=16, deadline=None)
+@given(st.integers(0, 10**6), st.floats(0.1, 30.0), st.sampled_from([0.7, 2.0]), st.floats(0.0, 2.0))
+def test_no_particle_moves_farther_in_a_step_than_half_of_d_min(seed, speed, d_min, beta):
+    """Nor is it faster than that afterwards."""
+    parameters = Parameters(beta=beta, time_step=0.5, d_min=d_min)
+    before = aged(cloud(40, seed), seed, speed)
+    after, motion = moved(before, parameters)
+    farthest = MAX_TRAVEL * d_min
+    assert motion.max() <= farthest * (1.0 + 1e-12)
+    assert (0.5 * np.hypot(*after.velocity.T)).max() <= farthest * (1.0 + 1e-12)
+
+
+def creeping(places, normal, area, before=0.0):
+    """Particles after a step on edges of one normal everywhere, with a way crept `before`, and their motion."""
+    particles = aged(places, seed=3, speed=2.0)
+    particles.crept[:] = before
+    scale_field = even_scale_field(SHAPE, (0.0, 0.0), normal)
+    return particles, moved(particles, scale_field=replace(scale_field, area=area))[0]
+
+
+def test_what_a_particle_creeps_along_an_edge_outside_the_area_is_added_up_and_inside_it_is_none():
+    area = np.zeros(SHAPE, bool)
+    area[:, :45] = True
+    before, after = creeping(cloud(60, 4), (1.0, 0.0), area, before=7.0)
+    inside = after.position[:, 1] + 0.5 < 45.0
+    assert 10 < inside.sum() < 50
+    assert not after.crept[inside].any()
+    along = np.abs(after.position[:, 1] - before.position[:, 1])  # the normal points down
+    np.testing.assert_allclose(after.crept[~inside], 7.0 + along[~inside], rtol=1e-9)
+
+
+def test_flight_off_the_edges_is_no_creeping():
+    particles = aged(cloud(60, 4), seed=3)
+    after, motion = moved(particles, scale_field=replace(even_scale_field(SHAPE, LORENTZ), area=np.zeros(SHAPE, bool)))
+    assert motion.min() > 0.0
+    assert not after.crept.any()
 
 
 @settings(max_examples=16, deadline=None)

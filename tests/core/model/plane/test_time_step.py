@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cpm_core import Engine, Parameters, Regions
+from cpm_core import Engine, Parameters, Regions, circle
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.model.coverage import idle_steps_at
 from cpm_core.model.equations import IDLE_STEPS, STILL_DISTANCE, equilibrium_epsilon
+from cpm_core.model.plane import step as plane_step
 from cpm_core.model.plane.motion import current_mesh_force, move_in_plane
 from cpm_core.model.plane.step import insert_and_delete, move_particles
 
@@ -76,6 +77,55 @@ def test_late_in_a_run_the_second_half_waits_every_other_step(scale_field):
     for step in (100, 101):
         half, after = second_half(scale_field, before, idle=IDLE_STEPS, step=step)
         changed.append(after.particles is not half.particles)
-        assert after.annealed == half.annealed * PARAMETERS.annealing
         assert after.idle in (0, IDLE_STEPS + 1)
     assert changed == [True, False]
+
+
+@pytest.fixture
+def ranges(monkeypatch):
+    """Insertion range of each particle at every step."""
+    seen = []
+
+    def noting(contact, search, scale_field, insertion_range, parameters):
+        seen.append(insertion_range)
+        return find_insertions(contact, search, scale_field, insertion_range, parameters)
+
+    find_insertions = plane_step.find_insertions
+    monkeypatch.setattr(plane_step, "find_insertions", noting)
+    return seen
+
+
+def test_annealing_counts_for_each_particle_since_cells_near_it_were_newly_covered(ranges, scale_field):
+    before = state_of(cloud(SHAPE, 120, 0), 30)
+    half, after = second_half(scale_field, before)
+    truth = []
+    for place in half.particles.position:
+        row, col = np.minimum((place + 0.5) // 4.0, np.array(after.coverage.found.shape) - 1).astype(int)
+        newest = after.coverage.found[max(row - 4, 0) : row + 5, max(col - 4, 0) : col + 5].max()
+        idle_steps = half.idle if newest < 0 else half.step_of_scale - newest
+        truth.append(PARAMETERS.d_max * PARAMETERS.annealing**idle_steps)
+    assert len(np.unique(truth)) > 3
+    np.testing.assert_allclose(ranges[-1], truth, rtol=1e-12)
+
+
+def test_where_all_particles_start_together_annealing_is_that_of_the_paper(ranges):
+    """In the middle of a disk, before any of them reaches its edge: d_max times a for each step."""
+    state_of(circle((27.4, 30.2), 4.0), 6)
+    assert len(ranges) == 6
+    for k, left in enumerate(ranges):
+        np.testing.assert_allclose(left, PARAMETERS.d_max * PARAMETERS.annealing**k, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("scale", "limit"), [(0, 8.0), (1, 4.0)])
+def test_a_particle_that_has_crept_farther_than_the_range_is_deleted(scale_field, scale, limit):
+    """The way is in pixels of the scale."""
+    before = replace(state_of(cloud(SHAPE, 60, 1)), scale=scale)
+    before.particles.crept[:] = np.linspace(0.0, 2.0 * limit, 60)
+    limited = replace(scale_field, area=np.zeros(SHAPE, bool))
+    half, moved = move_particles(before, idle(before), limited, replace(PARAMETERS, reach=8.0))
+    after = insert_and_delete(half, moved, False, limited, replace(PARAMETERS, reach=8.0))
+    free = insert_and_delete(half, moved, False, scale_field, PARAMETERS)
+    beyond = half.particles.identity[half.particles.crept > limit]
+    assert 20 < len(beyond) < 40
+    assert not np.isin(beyond, after.particles.identity).any()
+    assert np.isin(beyond, free.particles.identity).sum() > 0.9 * len(beyond)

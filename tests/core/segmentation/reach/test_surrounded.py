@@ -11,6 +11,7 @@ from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.drawn_area import drawn_area, hollow_part
+from cpm_core.segmentation.reach.start_area import object_enclosed_by
 
 ROW, COL = np.indices((120, 160))
 CELL, OTHERS = (60.0, 60.0), ((60.0, 112.0), (20.0, 95.0), (102.0, 98.0))
