@@ -25,7 +25,7 @@ BETAS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 2.0, 3.0, 4.0)
 """Dampings of the series under Fig. 10."""
 
 _SHOWN = (0.6, 1.0, 1.2)
-"""The dampings of the publication, at which it finds three objects, two and a part, and two."""
+"""The dampings of the publication: three objects, the circle across a weak part of the border, border and ellipse."""
 
 _CONTRASTS = (10.0, 20.0, 40.0)
 _SNAPSHOTS = (10, 20, 40)
