@@ -21,10 +21,12 @@ from docs.gallery.pages import Page, Panel, Picture, Stairs
 from docs.gallery.runs import Moment, Run, recovered, run
 from docs.gallery.scenes import Scene
 
-BETAS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.4, 2.0, 3.0, 4.0)
+BETAS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 2.0, 3.0, 4.0)
 """Dampings of the series under Fig. 10."""
 
-_SHOWN = (0.4, 1.0, 4.0)
+_SHOWN = (0.6, 1.0, 1.2)
+"""The dampings of the publication: three objects, the circle across a weak part of the border, border and ellipse."""
+
 _CONTRASTS = (10.0, 20.0, 40.0)
 _SNAPSHOTS = (10, 20, 40)
 """Steps after which the figures from Fig. 7 on show a snapshot."""
@@ -96,7 +98,9 @@ def damping() -> Page:
     facts = {"betas": list(BETAS), **series}
     chart = Stairs(title, BETAS, series, "damping β", "objects found", facts, span=4)
     counts = ", ".join(f"{panel.facts['objects']} at β = {panel.facts['beta']:g}" for panel in shown if panel.facts)
-    return Page([[start(scene), *shown], [chart]], note=f"objects found: {counts}", alike=False)
+    drawn = list(series.values())[-1]  # the border of the scene that is shown
+    ends = f"{drawn[0]} at β = {BETAS[0]:g}, {drawn[-1]} at β = {BETAS[-1]:g}"
+    return Page([[start(scene), *shown], [chart]], note=f"objects found: {counts}; {ends}", alike=False)
 
 
 def count_over_damping(contrast: float, betas: Sequence[float] = BETAS) -> list[int]:

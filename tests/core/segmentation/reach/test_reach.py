@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from cpm_core.segmentation.reach.reach_map import build_reach_map, creeping_distance
 from scipy.spatial import cKDTree
 
 from cpm_core.contours.contour import sample_contours
