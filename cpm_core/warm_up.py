@@ -13,7 +13,7 @@ import numpy as np
 from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import gradient_in_window, smoothed_gradient
 from cpm_core.field.placed_charges import PlacedCharge
-from cpm_core.field.scale_field import build_scale_field, limit_field_to
+from cpm_core.field.scale_field import build_scale_field, limit_field
 from cpm_core.image.denoising import remove_noise
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
@@ -92,7 +92,7 @@ def large_once() -> None:
     slopes = partial(gradient_in_window, _IMAGE, 1.0)
     smoothed_gradient(_TALL, 1.0, np.float32)
     part = build_scale_field(_IMAGE, 1.0, 0.0, slopes=slopes).crop((slice(0, 32), slice(0, 31)))
-    find_contours(circle((15.5, 15.5), 9.0), limit_field_to(part, part.edge_map > part.floor), _TWO_SCALES)
+    find_contours(circle((15.5, 15.5), 9.0), limit_field(part, part.edge_map > part.floor, part.floor), _TWO_SCALES)
 
 
 def volume_once() -> None:
