@@ -189,16 +189,17 @@ class Run:
         The one made longest ago comes first, so that all of them follow a slider that is moved.
         """
         made_of = [getattr(self.parameters, name) for name in find_invalidating("field")]
-        keys = {name: (self.method, self.charges, *made_of) for name in self._overlays}
+        keys: dict[str, tuple[object, ...]] = dict.fromkeys(self._overlays, (self.method, self.charges, *made_of))
         if AREA_OVERLAY in keys:
-            keys[AREA_OVERLAY] = (*self._start_inputs(), *made_of)
+            keys[AREA_OVERLAY] = self._start_inputs(*made_of)
         name = next((name for name, made in self._overlays.items() if made[0] != keys[name]), None)
         if self.method is None or name is None:
             return False
-        overlay, trouble = None, ""
+        overlay: OverlayData | None = None
+        trouble = ""
         try:
             if name == AREA_OVERLAY:
-                overlay = self._compute_start_area()
+                overlay = self._compute_start_area() if keys[name] else None
             else:
                 overlay = compute_overlay(name, self.method, self.parameters, self.charges)
         except Exception as error:  # the run does not depend on overlays
@@ -210,17 +211,16 @@ class Run:
         self.overlays.put(Overlays(self.image_generation, arrays, next(troubles, "")))
         return True
 
-    def _start_inputs(self) -> tuple[object, ...]:
-        """Return what the start of the run, or of one from the document, is made of; empty if no start is limited."""
+    def _start_inputs(self, *made_of: object) -> tuple[object, ...]:
+        """Return what the area of the start depends on besides what the field is `made_of`; empty if there is none."""
         if self.parameters.reach >= UNLIMITED_REACH:
             return ()
         if isinstance(self.state, State):
-            return self.method, self.state.start.tobytes()
-        drawn = self._drawn
-        return self.image_generation, self.state is None, drawn.image, drawn.mode, drawn.shapes, drawn.objects.barriers
+            return self.method, self.state.start.tobytes(), *made_of
+        return self.image_generation, self.state is None, self._drawn, *made_of
 
     def _compute_start_area(self) -> DisplayImage | None:
-        """Compute the overlay of the area by which the run, or one from the document, is limited; None without one."""
+        """Compute the overlay of the area by which the run, or one from the document, is limited, if any."""
         method, state = self.method, self.state
         if state is None and self._drawn.starts:
             method = self._prepared.method_for(self._drawn)

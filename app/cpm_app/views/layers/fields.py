@@ -110,8 +110,10 @@ class StartAreaLayer(ScalarOverlay):
     def color_table(self) -> np.ndarray:
         """Return one color, shape (256, 4), faint inside the area and clear at its rim."""
         opacity = np.interp(np.arange(256), (0, INSIDE_SHADE, 255), (0, *_AREA_OPACITIES))
-        color = QColor(theme.AREA_COLOR).getRgb()[:3]
-        return np.column_stack([np.tile(color, (256, 1)), opacity]).astype(np.uint8)
+        color = QColor(theme.AREA_COLOR)
+        return np.column_stack([np.tile((color.red(), color.green(), color.blue()), (256, 1)), opacity]).astype(
+            np.uint8
+        )
 
 
 class EdgeMapLayer(ScalarOverlay):
