@@ -21,7 +21,7 @@ from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels
 
-_AREA_OPACITIES = (22, 150)
+_AREA_OPACITIES = (18, 150)
 """Opacity of the area of a start inside, and at its rim, out of 255."""
 
 _MAX_EDGE_OPACITY = 235
