@@ -30,10 +30,10 @@ class Parameters:
     Parameters
     ----------
     reach : float
-        Distance that particles creep beyond a junction, away from the edges that bound the start, at the paper's
-        weights and annealing [px]; at `UNLIMITED_REACH` every connected edge is reached.
+        Distance that particles creep along edges outside the area of their start, at the paper's damping, weights and
+        annealing [px]; at `UNLIMITED_REACH` there is no area, and every connected edge is reached.
     weakest_edge : float
-        Edges weaker than this fraction of those that bound the start are not reached.
+        Edges weaker than this fraction of those around the area of the start hold no particles.
     beta : float
         Damping coefficient β of eq. (12).
     w1 : float
@@ -42,7 +42,8 @@ class Parameters:
         Weight of the Lorentz force, eq. (12); larger than `w1`, since the repulsion on a curved contour has unit size
         outward and only a stronger attraction holds the particles on the edge.
     annealing : float
-        Annealing factor a: ``d_max`` is multiplied by it at every step.
+        Annealing factor a: ``d_max`` of a particle is multiplied by it at every step in which nothing new is found near
+        it.
     time_step : float
         Δt of eq. (14).
     d_min : float

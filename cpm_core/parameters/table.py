@@ -61,30 +61,29 @@ UNLIMITED_REACH = 300.0
 _PARAMETER_TABLE = (
     ParameterInfo(
         "reach", "r", "px", 0.0, UNLIMITED_REACH, 0.0, UNLIMITED_REACH, 1.0, "Reach",
-        "How far past a junction particles may follow an edge away from those around the start; "
-        f"{UNLIMITED_REACH:g} means no limit.",
+        "How far particles creep along edges that lead out of the area of their start, at the default damping, weights "
+        f"and annealing; {UNLIMITED_REACH:g} means no area and no limit.",
         "Larger values include neighboring structures.",
-        "field",
+        "nothing",
     ),
     ParameterInfo(
         "weakest_edge", "f_first", "", 0.0, 0.95, 0.0, 0.95, 0.01, "Weakest edge",
-        "Edges weaker than this fraction of those around the start do not hold particles; above 0 an edge must also go "
-        "from dark to light in the same direction as most of them.",
+        "Edges weaker than this fraction of those around the area of the start hold no particles; it acts only with a "
+        "limited reach.",
         "Larger values leave out more of the weak edges.",
         "field",
     ),
     ParameterInfo(
         "beta", "β", "", 0.0, 4.0, 0.1, 2.0, 0.05, "Damping",
         "Friction that slows the particles down.",
-        "Smaller values make particles faster and carry them from a start across weak edges, so that they find more; "
-        "a run from everywhere finds the same contours at any value.",
+        "Smaller values make particles faster, carry them across weak edges and let them creep farther out of the area "
+        "of their start, so that they find more.",
         "nothing", "eq. (12)",
     ),
     ParameterInfo(
         "w1", "w₁", "", 0.0, 100.0, 0.05, 3.0, 0.05, "Repulsion",
         "Weight of the repulsion between particles, the Coulomb force; it must stay below w₂.",
-        "Larger values spread particles faster along edges and into bays, and let a start reach more edges; a run from "
-        "everywhere finds the same contours at any value.",
+        "Larger values push particles faster along edges, deeper into bays and farther out of the area of their start.",
         "nothing", "eq. (12)",
     ),
     ParameterInfo(
@@ -95,9 +94,10 @@ _PARAMETER_TABLE = (
     ),
     ParameterInfo(
         "annealing", "a", "", 0.0, 1.0, 0.9, 1.0, 0.001, "Annealing",
-        "Factor by which the insertion range shrinks at every step.",
-        "Larger values fill gaps between particles for longer, which makes rows denser, and extend a limited reach, "
-        "at 1 without end; a run from everywhere finds the same contours at any value.",
+        "Factor by which the insertion range of a particle shrinks at every step in which nothing new is found near "
+        "it.",
+        "Larger values insert particles for longer, which makes rows denser and lets them creep farther out of the "
+        "area of their start, at 1 without end.",
         "nothing", "section 3.6",
     ),
     ParameterInfo(
@@ -114,8 +114,8 @@ _PARAMETER_TABLE = (
     ),
     ParameterInfo(
         "d_max", "d_max,0", "px", 0.0, 50.0, 0.0, 10.0, 0.1, "Insertion range",
-        "Two neighbors at rest on an edge, farther apart than the particle spacing by at most this, get a particle "
-        "between them; annealing shrinks it.",
+        "Two neighbors on edges, farther apart than the particle spacing by at most this, get a particle between them; "
+        "annealing shrinks it.",
         "Larger values insert particles between neighbors that are farther apart.",
         "nothing", "section 3.6", True,
     ),

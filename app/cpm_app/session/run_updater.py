@@ -96,6 +96,8 @@ class RunUpdater:
         """Send the changes of the document to the worker; unless `complete`, the gesture is still going on."""
         if before.parameters != after.parameters:
             self._post(call_run(None, Run.set_parameters, after.parameters))
+        if _find_start_inputs(before) != _find_start_inputs(after):
+            self._post(call_run(None, Run.set_start, after))
         if after.image_starts and before.seeding_inputs != after.seeding_inputs:
             self._store.set_busy("seeding", tr("Looking for starting positions…"))
             self._post(find_seeds(self._store.image_generation, after))
@@ -159,3 +161,8 @@ class RunUpdater:
         self._set_current_sources(
             self._current_sources + erasure.sources if back else self._current_sources - erasure.sources
         )
+
+
+def _find_start_inputs(document: Document) -> tuple[object, ...]:
+    """Return all that the area of a start depends on besides the parameters."""
+    return document.image, document.mode, document.shapes, document.objects.barriers

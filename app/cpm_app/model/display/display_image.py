@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 import PIL.Image
+import scipy
 
 from cpm_core import Image
 from cpm_core.numerics import Array
 from cpm_core.numerics.grids import run_in_bands
-from cpm_core.numerics.types import Extent, Pixels, frozen, record
+from cpm_core.numerics.types import Extent, Mask, Pixels, frozen, record
 
 _VALUES_PER_BAND = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which makes it several times faster."""
@@ -194,6 +195,16 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
 def shade_edge_map(edge_map: Array) -> Pixels:
     """Shade edge strengths (H, W) from zero, 0, to the largest, 255; the square root makes weak edges visible."""
     return apply_window(edge_map, IntensityWindow(0.0, float(edge_map.max()), 0.5))
+
+
+INSIDE_SHADE = 128
+"""Shade of the pixels in an area, apart from those at its rim."""
+
+
+def shade_area(area: Mask) -> Pixels:
+    """Shade an area, shape (H, W): 0 outside, `INSIDE_SHADE` inside, and 255 at the rim."""
+    inside = scipy.ndimage.binary_erosion(area, border_value=1)
+    return np.where(inside, INSIDE_SHADE, 255 * area).astype(np.uint8)
 
 
 _POTENTIAL_OUTLIERS = 0.5

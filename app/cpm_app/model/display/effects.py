@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from cpm_app.model.display.lengths import format_measured_length
@@ -10,6 +11,8 @@ from cpm_app.model.parameters.controls import RATIO_CONTROL
 from cpm_app.model.text.language import localize_number, tr
 from cpm_core import Parameters, State
 from cpm_core.contours import Measures
+from cpm_core.model.equations import creeping_range
+from cpm_core.parameters import UNLIMITED_REACH
 from cpm_core.segmentation import MethodState
 
 FILTER_MEASURES = {
@@ -27,11 +30,12 @@ def measure_motion(state: State, parameters: Parameters, length: float) -> Mappi
     """Measure what each parameter of `MOTION_PARAMETERS` acts on [px of the image].
 
     Damping slows particles down: their mean motion in the last step. Repulsion spreads them: the `length` of all
-    contours that they have found. Annealing ends insertion: the distance up to which two neighbors get a particle
-    between them.
+    contours that they have found. Annealing ends insertion: how far a front creeps outside the area of its start, and
+    where the reach has no limit, the widest gap that still gets a particle.
     """
-    size = 2.0**state.scale
-    widest = size * (parameters.d_min + state.annealed * parameters.d_max)
+    size, widest = 2.0**state.scale, creeping_range(parameters)
+    if parameters.reach >= UNLIMITED_REACH:
+        widest = size * (parameters.d_min + parameters.annealing**state.idle * parameters.d_max)
     return {"beta": size * state.displacement, RATIO_CONTROL: length, "annealing": widest}
 
 
@@ -49,7 +53,10 @@ def describe_effects(
         words[RATIO_CONTROL] = tr(
             "{length} of contours", length=format_measured_length(length, image.spacing, image.unit, 0)
         )
-    words["annealing"] = tr("fills gaps up to {length} px", length=localize_number(f"{found['annealing']:.1f}"))
+    far = tr("fills gaps up to {length} px") if parameters.reach >= UNLIMITED_REACH else tr("creeps up to {length} px")
+    words["annealing"] = far.format(length=localize_number(f"{found['annealing']:.1f}"))
+    if math.isinf(found["annealing"]):
+        words["annealing"] = tr("creeps without end")
     return words
 
 

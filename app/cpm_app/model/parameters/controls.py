@@ -9,7 +9,13 @@ from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.model.text.wording import format_symbol
 from cpm_core import PARAMETERS, Parameters
 from cpm_core.numerics.types import JsonDict, Texts, frozen
-from cpm_core.parameters import AUTOMATIC_PARAMETERS, CHOICE_PARAMETERS, START_PARAMETERS, ParameterInfo
+from cpm_core.parameters import (
+    AUTOMATIC_PARAMETERS,
+    CHOICE_PARAMETERS,
+    START_PARAMETERS,
+    UNLIMITED_REACH,
+    ParameterInfo,
+)
 
 RATIO_CONTROL = "ratio"
 """Name of the control of w₁/w₂."""
@@ -37,6 +43,7 @@ _MANUAL_DEFAULTS = {"exponent": 2.0}
 """Values of `Control.manual_default`, by the names of their controls."""
 
 _VALUE_WORDS = {
+    "reach": ((UNLIMITED_REACH, tr("no limit")),),
     "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
     "max_width": ((0.0, tr("auto")),),
 }

@@ -7,14 +7,15 @@ from cpm_app.model.text.language import tr
 _FORCE_FORMULA = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>l</sub> − <i>β</i> <i>v</i>"
 
 PARAMETER_FORMULAS = {
-        "reach": tr("at most {law} beyond a junction").format(law="<i>r</i>"),
-        "weakest_edge": tr("reached where {law} around the start").format(
+        "reach": tr("distance outside the area: {law}").format(
+            law="∝ <i>r</i> <i>w</i>₁ / [(<i>w</i>₂ − <i>w</i>₁) (1 − <i>a</i>) <i>β</i>²]"),
+        "weakest_edge": tr("holds particles where {law} around the area").format(
             law="<i>f</i> ≥ <i>f</i><sub>first</sub> · median <i>f</i>"),
         "beta": _FORCE_FORMULA,
         "ratio": "<i>F</i> = <i>w</i>₂ [(<i>w</i>₁/<i>w</i>₂) <i>F</i><sub>c</sub> + <i>F</i><sub>l</sub>] − <i>β</i> "
                  "<i>v</i>",
         "w2": _FORCE_FORMULA,
-        "annealing": tr("every step: {after} = {before}").format(
+        "annealing": tr("every step without a find nearby: {after} = {before}").format(
             after="<i>d</i><sub>max</sub>", before="<i>a</i> · <i>d</i><sub>max</sub>"),
         "time_step": "<i>r</i>(<i>t</i> + Δ<i>t</i>) = <i>r</i> + <i>v</i> Δ<i>t</i> + "
                            "<i>F</i> Δ<i>t</i>²/2 + <i>F</i>′ Δ<i>t</i>³/6",

@@ -90,6 +90,10 @@ _MAX_FIELD_VOXELS = 1 << 26
 """Largest volume whose field is computed, which takes 800 MB for this one [voxels]."""
 
 
+AREA_OVERLAY = "start_area"
+"""Name of the overlay of the area of a start, which depends on the start, not on the image alone."""
+
+
 def compute_overlay(
     name: str, method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]
 ) -> OverlayData:

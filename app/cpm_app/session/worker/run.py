@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from cpm_app.model.display.display_image import DisplayImage, shade_area
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import ContourTracker
@@ -17,15 +19,15 @@ from cpm_app.session.exchange.messages import OverlayData, Overlays, Reconstruct
 from cpm_app.session.timeline.stored_runs import StoredRuns
 from cpm_app.session.timeline.timeline import Timeline
 from cpm_app.session.timeline.timeline_nodes import EraseAction, JoinAction, RunAction, StepAction
-from cpm_app.session.worker.prepared_methods import PreparedMethods, compute_overlay
+from cpm_app.session.worker.prepared_methods import AREA_OVERLAY, PreparedMethods, compute_overlay
 from cpm_app.session.worker.reconstruction import ReconstructionRequest, Reconstructor, apply_hand_edits
-from cpm_core import Image, Method, Parameters, PlacedCharge, Result, Skeleton
+from cpm_core import Engine, Image, Method, Parameters, PlacedCharge, Result, Skeleton, State
 from cpm_core.contours import HandEdit
 from cpm_core.formats import describe_shapes
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Place
 from cpm_core.numerics.polyline import as_line
-from cpm_core.parameters import find_invalidating
+from cpm_core.parameters import UNLIMITED_REACH, find_invalidating
 from cpm_core.segmentation import MethodState, Steerable
 from cpm_core.shapes import ImageSeeds
 
@@ -52,6 +54,7 @@ class Run:
         self.parameters = Parameters()
         self.charges: tuple[PlacedCharge, ...] = ()
         self.hand_edits: tuple[HandEdit, ...] = ()
+        self._drawn = Document()
         self._prepared = prepared
         self._overlays: dict[str, tuple[tuple[object, ...], OverlayData | None, str]] = {}
         """What each requested overlay has been made of, the overlay, and the error; the one made last is the last."""
@@ -109,6 +112,10 @@ class Run:
         """Use these parameters from the next step on."""
         self.parameters = parameters
         self.reconstruct_if_halted()
+
+    def set_start(self, document: Document) -> None:
+        """Show the area of a document's start as long as there is no run."""
+        self._drawn = document
 
     def set_charges(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
         """Use these placed charges from the next step on this image; return whether a run that had ended continues."""
@@ -182,21 +189,47 @@ class Run:
         The one made longest ago comes first, so that all of them follow a slider that is moved.
         """
         made_of = [getattr(self.parameters, name) for name in find_invalidating("field")]
-        key = (self.method, self.charges, *made_of)
-        name = next((name for name, made in self._overlays.items() if made[0] != key), None)
+        keys: dict[str, tuple[object, ...]] = dict.fromkeys(self._overlays, (self.method, self.charges, *made_of))
+        if AREA_OVERLAY in keys:
+            keys[AREA_OVERLAY] = self._start_inputs(*made_of)
+        name = next((name for name, made in self._overlays.items() if made[0] != keys[name]), None)
         if self.method is None or name is None:
             return False
-        overlay, trouble = None, ""
+        overlay: OverlayData | None = None
+        trouble = ""
         try:
-            overlay = compute_overlay(name, self.method, self.parameters, self.charges)
+            if name == AREA_OVERLAY:
+                overlay = self._compute_start_area() if keys[name] else None
+            else:
+                overlay = compute_overlay(name, self.method, self.parameters, self.charges)
         except Exception as error:  # the run does not depend on overlays
             trouble = explain_failure(error, tr("preparing the overlays"))
         del self._overlays[name]
-        self._overlays[name] = key, overlay, trouble
+        self._overlays[name] = keys[name], overlay, trouble
         arrays = {name: overlay for name, (_, overlay, _) in self._overlays.items() if overlay is not None}
         troubles = (trouble for *_, trouble in self._overlays.values() if trouble)
         self.overlays.put(Overlays(self.image_generation, arrays, next(troubles, "")))
         return True
+
+    def _start_inputs(self, *made_of: object) -> tuple[object, ...]:
+        """Return what the area of the start depends on besides what the field is `made_of`; empty if there is none."""
+        if self.parameters.reach >= UNLIMITED_REACH:
+            return ()
+        if isinstance(self.state, State):
+            return self.method, self.state.start.tobytes(), *made_of
+        return self.image_generation, self.state is None, self._drawn, *made_of
+
+    def _compute_start_area(self) -> DisplayImage | None:
+        """Compute the overlay of the area by which the run, or one from the document, is limited, if any."""
+        method, state = self.method, self.state
+        if state is None and self._drawn.starts:
+            method = self._prepared.method_for(self._drawn)
+            with suppress(ValueError):  # nothing of the start is in the image: said when a run is to begin there
+                state = method.start(self._prepared.compute_seeds(self._drawn))
+        if not isinstance(method, Engine) or not isinstance(state, State):
+            return None
+        area = method.start_area(state.start, self.parameters)
+        return None if area is None else DisplayImage.from_shades(shade_area(area))
 
     # Steps
 

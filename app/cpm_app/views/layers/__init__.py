@@ -11,7 +11,7 @@ from cpm_app.session.scene import Scene
 from cpm_app.views.layers.annotations import OrientationLayer, ScaleBarLayer
 from cpm_app.views.layers.contours import ContourLayer, TruthLayer
 from cpm_app.views.layers.drawing import DrawingLayer
-from cpm_app.views.layers.fields import EdgeMapLayer, FieldLayer, PotentialLayer
+from cpm_app.views.layers.fields import EdgeMapLayer, FieldLayer, PotentialLayer, StartAreaLayer
 from cpm_app.views.layers.forces import ForceLayer
 from cpm_app.views.layers.image_layer import ImageLayer
 from cpm_app.views.layers.layer import Layer, LegendEntry, WorkerRequests
@@ -29,6 +29,7 @@ LAYER_CLASSES: tuple[type[Layer], ...] = (
     TruthLayer,
     SkeletonLayer,
     DrawingLayer,
+    StartAreaLayer,
     EdgeMapLayer,
     PotentialLayer,
     FieldLayer,

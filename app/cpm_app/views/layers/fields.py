@@ -1,4 +1,4 @@
-"""The layers of edge map, potential and electric field."""
+"""The layers of the area of a start, of edge map, potential and electric field."""
 
 from __future__ import annotations
 
@@ -8,16 +8,21 @@ from typing import ClassVar
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
+from PySide6.QtGui import QColor
 
-from cpm_app.model.display.display_image import DisplayImage
+from cpm_app.model.display.display_image import INSIDE_SHADE, DisplayImage
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene import Scene
+from cpm_app.session.worker.prepared_methods import AREA_OVERLAY
 from cpm_app.views.items.item import enable_caching, line_pen, to_xy
 from cpm_app.views.items.tiled_image import TiledImage
-from cpm_app.views.layers.layer import ChoiceOption, Layer
+from cpm_app.views.layers.layer import ChoiceOption, Layer, LegendEntry
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels
+
+_AREA_OPACITIES = (18, 150)
+"""Opacity of the area of a start inside, and at its rim, out of 255."""
 
 _MAX_EDGE_OPACITY = 235
 """Opacity of the strongest edges, out of 255."""
@@ -76,6 +81,39 @@ class ScalarOverlay(Layer):
     def color_table(self) -> np.ndarray:
         """Return the colors of the 256 shades, shape (256, 3) or (256, 4), uint8."""
         return color_maps.color_table(self.get_choice("map"))
+
+
+class StartAreaLayer(ScalarOverlay):
+    """The area by which a run is limited, tinted, with a rim; nothing is shown while there is no limit."""
+
+    name = AREA_OVERLAY
+    title = tr("Area of the start")
+    tip = tr(
+        "What the start is in or around, up to the edges that enclose it. Outside it particles go only as far as the "
+        "reach allows."
+    )
+    initially_shown = True
+    shown_in_slices = False
+    colors = (theme.AREA_COLOR,)
+    z = 0.95
+
+    def create_items(self) -> None:
+        """Create the items of the layer, and request the area."""
+        super().create_items()
+        self.apply_visibility()
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Return the entry of the area."""
+        count = int(self.shades is not None)
+        return (LegendEntry(count, tr("area of the start"), self.tip, theme.AREA_COLOR, "area"),)
+
+    def color_table(self) -> np.ndarray:
+        """Return one color, shape (256, 4), faint inside the area and clear at its rim."""
+        opacity = np.interp(np.arange(256), (0, INSIDE_SHADE, 255), (0, *_AREA_OPACITIES))
+        color = QColor(theme.AREA_COLOR)
+        return np.column_stack([np.tile((color.red(), color.green(), color.blue()), (256, 1)), opacity]).astype(
+            np.uint8
+        )
 
 
 class EdgeMapLayer(ScalarOverlay):

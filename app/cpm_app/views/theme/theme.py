@@ -118,6 +118,9 @@ MISSING_COLOR = "#ff5a36"
 WRONG_COLOR = "#ffe14d"
 """Parts that are not in the reference."""
 
+AREA_COLOR = "#9ccc65"
+"""Area of a start."""
+
 REGION_COLOR = "#b48cff"
 """Regions of interest."""
 

@@ -58,15 +58,14 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
     layers, legend = rested.canvas_area.canvas.layers, rested.canvas_area.strip.legend
     offered = rested.session.scene.objects.proposals
     rested.canvas_area.strip.legend.update_now()
-    assert {entry.text: entry.count for entry in legend.entries} == {
-        text: count for text, count in (("found", sum(layers.contours.counts)), ("proposed", len(offered))) if count
-    }
+    shown = (("found", sum(layers.contours.counts)), ("proposed", len(offered)), ("area of the start", 1))
+    assert {entry.text: entry.count for entry in legend.entries} == {text: count for text, count in shown if count}
     rested.workspace.review.select(item.key for item in rested.workspace.review.items)
     rested.workspace.object_commands.reject_selected()
     legend.update_now()
-    assert {entry.text for entry in legend.entries} - {"proposed"} == {"rejected"}
-    layers.contours.set_shown(False)
-    layers["objects"].set_shown(False)
+    assert {entry.text for entry in legend.entries} - {"proposed", "area of the start"} == {"rejected"}
+    for name in ("contours", "objects", "start_area"):
+        layers[name].set_shown(False)
     legend.update_now()
     assert legend.entries == ()
     assert legend.isHidden()

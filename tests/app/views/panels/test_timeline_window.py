@@ -7,9 +7,8 @@ import threading
 import numpy as np
 import pytest
 from cpm_app.model.preferences.table import TIMELINE_MEMORY
-from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
+from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE, Timeline
 from cpm_app.session.worker.commands import WorkerCommand
-from cpm_app.session.worker.run import Run
 from cpm_app.views.features.compare import CompareFeature
 from cpm_app.views.features.run import TimelineFeature
 from cpm_app.views.panels import timeline
@@ -181,8 +180,8 @@ def waiting(gate: threading.Event) -> WorkerCommand:
 
 def test_of_many_requested_steps_only_the_last_is_computed(rested, hand, monkeypatch) -> None:
     gone: list[int] = []
-    go_to, gate = Run.go_to, threading.Event()
-    monkeypatch.setattr(Run, "go_to", lambda run, *at: gone.append(at[1]) or go_to(run, *at))
+    go_to, gate = Timeline.go_to, threading.Event()
+    monkeypatch.setattr(Timeline, "go_to", lambda timeline, *at: gone.append(at[1]) or go_to(timeline, *at))
     rested.session.post_command(waiting(gate))
     scrub(rested, hand, 1, *range(5, 60))
     step = navigation(rested).current_step[1]

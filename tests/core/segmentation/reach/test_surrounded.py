@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from cpm_core.segmentation.reach.bounding import object_enclosed_by
 from scipy.spatial import cKDTree
 
 from cpm_core.contours.contour import sample_contours
