@@ -203,8 +203,9 @@ INSIDE_SHADE = 128
 
 def shade_area(area: Mask) -> Pixels:
     """Shade an area, shape (H, W): 0 outside, `INSIDE_SHADE` inside, and 255 at the rim."""
-    inside = scipy.ndimage.binary_erosion(area, border_value=1)
-    return np.where(inside, INSIDE_SHADE, 255 * area).astype(np.uint8)
+    shades = np.where(area, np.uint8(255), np.uint8(0))
+    shades[scipy.ndimage.binary_erosion(area, border_value=1)] = INSIDE_SHADE
+    return shades
 
 
 _POTENTIAL_OUTLIERS = 0.5
