@@ -96,8 +96,8 @@ _PARAMETER_TABLE = (
         "annealing", "a", "", 0.0, 1.0, 0.9, 1.0, 0.001, "Annealing",
         "Factor by which the insertion range of a particle shrinks at every step in which nothing new is found near "
         "it.",
-        "Larger values insert particles for longer, which makes rows denser and lets them creep farther out of the "
-        "area of their start, at 1 without end.",
+        "Larger values insert particles for longer and let them creep farther out of the area of their start, at 1 "
+        "without end.",
         "nothing", "section 3.6",
     ),
     ParameterInfo(

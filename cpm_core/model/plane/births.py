@@ -316,7 +316,7 @@ def _find_offers(
         faintest, before = max(rule.floor, EDGE_END_FRACTION * strength[i]), count
         if count + _MAX_OFFERS > len(offers):
             offers = np.concatenate((offers, np.empty_like(offers)))
-        if _is_alone(near, length, y, x, rule.d_min + insertion_range[i]):
+        if _is_alone(near, length, y, x, rule.range):
             size = max(np.sqrt(n_y**2 + n_x**2), 1e-30)
             for way in (-rule.d_min, rule.d_min):
                 found = _find_place_beside(
