@@ -116,6 +116,7 @@ def test_the_fixed_charges_are_those_that_the_field_is_made_of(edge_floor, smoot
     expected = np.where(inside & (scale_field.edge_map >= floor), scale_field.edge_map, 0.0)
     np.testing.assert_array_equal(shown, expected)
     slope, packed = scale_field.gradient, np.empty((*image.shape, 5), np.float32)
-    write_lorentz_force(electric_field(shown).astype(np.float32), slope, vector_magnitudes(slope), shown.max(), packed)
+    field = electric_field(shown).astype(np.float32)
+    write_lorentz_force(field, slope, vector_magnitudes(slope), scale_field.holding, packed)
     np.testing.assert_allclose(scale_field.packed[..., :4], packed[..., :4], atol=1e-4)
     np.testing.assert_allclose(engine.scale_field(parameters).potential, convolved_potential(expected))
