@@ -1,10 +1,10 @@
 """Insertion and deletion of particles in the plane (section 3.6).
 
-Two rules of insertion let particles cover an edge. Between: two particles on edges at ``d_min < d <= d_min + d_max``
-with nothing between them get one at their midpoint, as in section 3.6, if the edge continues there and its ridge is
-free next to the midpoint. Ahead: a particle on an edge that continues within one spacing, without other particles
-there, gets one there. Annealing ends the first rule; the second one does not depend on it and moves a front along every
-edge that is connected to its own, through bends and junctions. Neither of them reaches across a barrier.
+Between: two particles on edges at ``d_min < d <= d_min + d_max`` with nothing between them get one at their midpoint,
+as in section 3.6, if the edge continues there and its ridge is free next to the midpoint. The front of a row is moved
+by repulsion alone. Two rules let rows begin. Alone: a particle without another one in reach gets one to each side along
+its edge. Beside: where another edge begins, at a junction or behind a thin object, the particle next to it gets one
+there. None of them reaches across a barrier.
 
 Of two particles nearer than half of ``d_min`` the one on the weaker edge is deleted, and of equal ones the later. A
 deleted particle deletes no other: particles are examined from the strongest edge to the weakest, and each is compared
@@ -163,7 +163,7 @@ MAX_CROWD = 3
 
 @record
 class PlaneBirths:
-    """New particles, shape (M, 2), and the two parents of each (the same twice for a position ahead of one)."""
+    """New particles, shape (M, 2), and the two parents of each (the same twice for a position beside one)."""
 
     position: Array
     parents: Index
@@ -208,8 +208,15 @@ def search_range(parameters: Parameters) -> float:
 FoundPlace = tuple[bool, float, float, float, int]
 """Whether it is free, where, its distance from all others [px], and the number of particles around it."""
 
+_ROOM_BESIDE = 0.8
+"""Least distance of a position beside a particle from all particles, in d_min."""
+
+_BRANCH_STRIDE = 1.5
+"""Distance across its edge, in d_min, at which a particle looks for another edge: nearer to the ridge of a stronger
+edge a weaker one that meets it has no ridge of its own."""
+
 _FLANK_DISTANCE = 1.6
-"""Distance, in d_min, of others on both sides along an edge between which there is no position ahead."""
+"""Distance, in d_min, of others on both sides along an edge between which no midpoint is free."""
 
 _MAX_SLIDES = 6
 """Number of times that a position is moved by the Lorentz force."""
@@ -245,7 +252,7 @@ _PLANE_SEARCHES_PER_THREAD = 300
 
 _Offers = Array
 """Positions that particles offer, a row for each: the particle, the second of the two next to the position (the first
-itself for a position ahead), the position [px], its distance from all other particles [px], and how many are around."""
+itself for one beside it), the position [px], its distance from all other particles [px], and how many are around."""
 
 
 def find_insertions(
@@ -316,19 +323,19 @@ def _find_offers(
         faintest, before = max(rule.floor, EDGE_END_FRACTION * strength[i]), count
         if count + _MAX_OFFERS > len(offers):
             offers = np.concatenate((offers, np.empty_like(offers)))
-        if _is_alone(near, length, y, x, rule.range):
-            size = max(np.sqrt(n_y**2 + n_x**2), 1e-30)
-            for way in (-rule.d_min, rule.d_min):
-                found = _find_place_beside(
-                    near, length, y + way * n_x / size, x - way * n_y / size, packed, faintest, rule
-                )
-                here[0], here[1], there[0], there[1] = y, x, found[1], found[2]
-                if found[0] and not crosses_barrier(barrier_map, here, there):
-                    offers[count, 0], offers[count, 1] = i, i
-                    offers[count, 2], offers[count, 3], offers[count, 4], offers[count, 5] = found[1:]
-                    count += 1
-                    break
-            continue
+        stride = rule.d_min / max(np.sqrt(n_y**2 + n_x**2), 1e-30)
+        for way in range(4):  # to both sides along its edge, and across it
+            if length > 1 if way < 2 else not thorough[i]:
+                continue
+            step = stride if way % 2 else -stride
+            across = _BRANCH_STRIDE * step
+            down, right = (step * n_x, -step * n_y) if way < 2 else (across * n_y, across * n_x)
+            found = _find_place_beside(near, length, y + down, x + right, packed, faintest, rule)
+            here[0], here[1], there[0], there[1] = y, x, found[1], found[2]
+            if found[0] and not crosses_barrier(barrier_map, here, there):
+                offers[count, 0], offers[count, 1] = i, i
+                offers[count, 2], offers[count, 3], offers[count, 4], offers[count, 5] = found[1:]
+                count += 1
         for n in range(length):
             j, far_y, far_x = index[n], near[0, n], near[1, n]
             farthest = rule.d_min + max(insertion_range[i], insertion_range[j])
@@ -371,20 +378,11 @@ def _find_midpoint(
 
 
 @compiled
-def _is_alone(near: Array, length: int, y: float, x: float, distance: float) -> bool:
-    """Return whether no other particle lies within a distance of one; near ones include it."""
-    count = 0
-    for n in range(length):
-        count += (near[0, n] - y) ** 2 + (near[1, n] - x) ** 2 <= distance * distance
-    return count <= 1
-
-
-@compiled
 def _find_place_beside(
     near: Array, length: int, y: float, x: float, packed: Single, faintest: float, rule: PlaceRule
 ) -> FoundPlace:
-    """Return the position on the edge next to one beside a lone particle, if the edge continues there."""
-    keep = DELETION_DISTANCE * rule.d_min
+    """Return the position on an edge next to one beside a particle, if there is an edge with room."""
+    keep = _ROOM_BESIDE * rule.d_min
     free, y, x = _slide_to_edge(packed, faintest, 0.5 * rule.d_min, y, x)
     about = _count_crowd(near, length, y, x, keep, rule.d_min)
     return free and about <= MAX_CROWD, y, x, keep, about
@@ -392,7 +390,7 @@ def _find_place_beside(
 
 @compiled
 def _is_flanked(cells: PlaneCells, present: Mask, y: float, x: float, n_y: float, n_x: float, distance: float) -> bool:
-    """Return whether a particle has others on both sides along its edge, too near for a position ahead of it."""
+    """Return whether a particle has others on both sides along its edge, too near for one between."""
     before, behind = 0, 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):

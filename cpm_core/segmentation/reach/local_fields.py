@@ -67,7 +67,7 @@ class LocalFields:
             return None
         field = self._field_of(parameters, 0)
         with self._lock:
-            if self._known is None or self._known[0] is not field or self._known[1] is not start:
+            if self._known is None or self._known[0] is not field or not np.array_equal(self._known[1], start):
                 self._known = field, start, self._find_area(field, start)
             return self._known[2]
 
