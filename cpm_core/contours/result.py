@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -267,4 +267,17 @@ def build_result(state: State, image: Image, parameters: Parameters, **found: An
         regions=state.regions,
         channel=image.resolve_channel(parameters.channel),
         **found,
+    )
+
+
+def describe_origin(method: str, image: Image, state: State, parameters: Mapping[str, float | str]) -> Provenance:
+    """Describe how the contours of a state of a run were found, with the values of the method's parameters."""
+    return Provenance(
+        method,
+        parameters,
+        len(state.start),
+        tuple({"shape": "charge", **asdict(charge)} for charge in state.charges),
+        state.scale,
+        sha256=image.sha256,
+        of_file=bool(image.file_sha256),
     )

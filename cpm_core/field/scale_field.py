@@ -518,6 +518,8 @@ def unit_vectors(vectors: Array) -> Array:
 
 def limit_field(scale_field: ScaleField, area: Mask, floor: float) -> ScaleField:
     """Return this field for a start in an area, shape (H, W), where weaker edges than a floor hold no particle."""
+    if scale_field.values.size > LARGE_IMAGE_PIXELS:
+        _ = scale_field._windowed  # made once for all starts
     other = copy(scale_field)
     holding = max(floor, scale_field.holding)
     made_of = scale_field.exponent, scale_field.fixed_charges, scale_field.slopes, scale_field.edge_map

@@ -16,7 +16,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.result import Result, build_result
+from cpm_core.contours.result import Result, build_result, describe_origin
 from cpm_core.contours.surface import Surface
 from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate_field
@@ -37,7 +37,7 @@ from cpm_core.model.state import Particles, State
 from cpm_core.numerics.types import Array, Arrays, Texts
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
-from cpm_core.parameters.provenance import Provenance, select_parameters
+from cpm_core.parameters.provenance import select_parameters
 from cpm_core.published import dynamics
 from cpm_core.published.crust import reconstruct_curve
 from cpm_core.published.lorentz_force import FIELDS, NORMALIZATIONS, fixed_charges, minima_charges
@@ -217,10 +217,7 @@ class Published:
         plane = self.image.ndim == 2
         contours = reconstruct_curve(state.position) if plane else ()
         surface = None if plane else _surface_through(state.position, self.image)
-        made = Provenance(
-            self.name, select_parameters(parameters, self.parameters), len(state.start), scale=state.scale,
-            sha256=self.image.sha256, of_file=bool(self.image.file_sha256),
-        )  # fmt: skip
+        made = describe_origin(self.name, self.image, state, select_parameters(parameters, self.parameters))
         return build_result(state, self.image, parameters, contours=contours, surface=surface, provenance=made)
 
     def measure_state(self, state: PublishedState, parameters: Parameters) -> Mapping[str, float]:

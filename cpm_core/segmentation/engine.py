@@ -7,14 +7,14 @@ from any state, without memory of its own, so that a run can be paused, changed,
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.result import Result
+from cpm_core.contours.result import Result, describe_origin
 from cpm_core.field.placed_charges import PlacedCharge, check_charges
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
@@ -32,7 +32,7 @@ from cpm_core.numerics.types import Array, Mask, Texts
 from cpm_core.parameters import PARAMETERS, SKELETON_PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
-from cpm_core.parameters.provenance import Provenance, select_parameters
+from cpm_core.parameters.provenance import select_parameters
 from cpm_core.segmentation.finer_scale import drop_explained_seeds, thin_seeds
 from cpm_core.segmentation.outcome import find_state_contours, find_state_surface
 from cpm_core.segmentation.reach.local_fields import LocalFields
@@ -294,7 +294,8 @@ class Engine(ImageFields):
             In px of the image.
         """
         found = self._law.result(state, self.image, self._field_of(state, parameters), parameters)
-        return replace(found, provenance=_build_provenance(self.image, state, parameters))
+        origin = describe_origin(self.name, self.image, state, select_parameters(parameters, self.parameters))
+        return replace(found, provenance=origin)
 
     def measure_state(self, state: State, parameters: Parameters) -> Mapping[str, float]:
         """Return the metrics of a state by name; see `Method.measure_state`."""
@@ -319,16 +320,3 @@ _ATTRIBUTE_OF_METRIC = {name: name for name in ("epsilon", "count", "born", "del
     "numbered": "next_identity"
 }
 """Attributes of a state by the name of the metric."""
-
-
-def _build_provenance(image: Image, state: State, parameters: Parameters) -> Provenance:
-    """Record how the contours of a state were found."""
-    return Provenance(
-        "cpm",
-        select_parameters(parameters, Engine.parameters),
-        len(state.start),
-        tuple({"shape": "charge", **asdict(charge)} for charge in state.charges),
-        state.scale,
-        sha256=image.sha256,
-        of_file=bool(image.file_sha256),
-    )

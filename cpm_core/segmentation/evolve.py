@@ -268,8 +268,13 @@ def evolve(
         check_finite_number(
             "max_steps", max_steps, lambda count: count >= 1 and count == int(count), "at least 1, and whole"
         )
-    chosen = _choose("parameters", parameters, PRESETS) or Parameters()
-    run = _choose("method", method, SEEDED_METHODS)(values, chosen, regions)
+    chosen = Parameters() if parameters is None else _choose("parameters", parameters, PRESETS)
+    if not isinstance(chosen, Parameters):
+        raise ValueError(f"parameters is {quote_value(chosen)} but must be Parameters or the name of a preset.")
+    make = _choose("method", method, SEEDED_METHODS)
+    if not callable(make):
+        raise ValueError(f"method is {quote_value(make)} but must be one of {', '.join(SEEDED_METHODS)}, or a class.")
+    run = make(values, chosen, regions)
     return Evolution(run, run.start(seeds), chosen, max_steps, charges)
 
 

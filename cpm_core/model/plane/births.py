@@ -169,18 +169,6 @@ class PlaneBirths:
     parents: Index
 
 
-class SearchMasks(NamedTuple):
-    """Masks of the particles that search for positions in a step; all of shape (N,).
-
-    Those `present` have not been deleted, those `looking` search in this step, of these the `thorough` ones even if
-    they have others on both sides along their edge.
-    """
-
-    present: Mask
-    looking: Mask
-    thorough: Mask
-
-
 class PlaceRule(NamedTuple):
     """Conditions on a position.
 
@@ -214,9 +202,6 @@ _ROOM_BESIDE = 0.8
 _BRANCH_STRIDE = 1.5
 """Distance across its edge, in d_min, at which a particle looks for another edge: nearer to the ridge of a stronger
 edge a weaker one that meets it has no ridge of its own."""
-
-_FLANK_DISTANCE = 1.6
-"""Distance, in d_min, of others on both sides along an edge between which no midpoint is free."""
 
 _MAX_SLIDES = 6
 """Number of times that a position is moved by the Lorentz force."""
@@ -257,28 +242,29 @@ itself for one beside it), the position [px], its distance from all other partic
 
 def find_insertions(
     contact: EdgeContact,
-    search: SearchMasks,
+    present: Mask,
+    looking: Mask,
     scale_field: ScaleField,
     insertion_range: Array,
     parameters: Parameters,
 ) -> PlaneBirths:
     """Find positions for new particles.
 
-    `search` selects the particles that take part, `insertion_range`, shape (N,), is what annealing has left of d_max
-    for each [px]; of two particles the larger one counts.
+    Of the particles `present`, which have not been deleted, those `looking` search, both of shape (N,).
+    `insertion_range`, shape (N,), is what annealing has left of d_max for each [px]: of two particles the larger one
+    counts, and where nothing is left none is born beside one either.
     """
     count, d_min = len(contact.strength), parameters.d_min
     rule = PlaceRule(scale_field.floor, d_min, search_range(parameters))
-    eligible, there = contact.on_edge & search.present, search.present[contact.cells.order]
-    asked = search._replace(present=there, thorough=search.thorough & search.looking)
+    eligible, there = contact.on_edge & present, present[contact.cells.order]
     edge = (contact.strength, contact.normal)
-    seen = (contact.cells, *edge, asked, eligible, scale_field.packed, scale_field.barrier_map)
+    seen = (contact.cells, *edge, there, looking & eligible, eligible, scale_field.packed, scale_field.barrier_map)
     found: dict[int, _Offers] = {}
 
     def search_some(first: int, last: int) -> None:
         found[first] = _find_offers(*seen, insertion_range, rule, first, last)
 
-    searching = int(np.count_nonzero(search.looking & eligible))
+    searching = int(np.count_nonzero(looking & eligible))
     run_in_parallel(search_some, count, _PLANE_SEARCHES_PER_THREAD * count // (searching + 1) + 1)
     offers = np.concatenate([found[first] for first in sorted(found)])
     offers = offers[np.argsort(offers[:, 0], kind="stable")]
@@ -292,7 +278,8 @@ def _find_offers(
     cells: PlaneCells,
     strength: Array,
     normal: Array,
-    search: SearchMasks,
+    present: Mask,
+    looking: Mask,
     eligible: Mask,
     packed: Single,
     barrier_map: BarrierMap,
@@ -308,15 +295,12 @@ def _find_offers(
     )
     near, index = np.empty((2, most + 1)), np.empty(most + 1, np.int64)
     here, there = np.empty(2), np.empty(2)
-    present, thorough = search.present, search.thorough
     offers, count = np.empty((_INITIAL_OFFER_ROWS, 6)), 0
     for k in range(first, last):
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
-        if not (eligible[i] and search.looking[i]):
+        if not looking[i]:
             continue
         n_y, n_x = normal[i, 0], normal[i, 1]
-        if not thorough[i] and _is_flanked(cells, present, y, x, n_y, n_x, _FLANK_DISTANCE * rule.d_min):
-            continue
         length = _list_near_particles(cells, present, y, x, rule.range, near, index)
         if length == most:
             continue
@@ -325,7 +309,7 @@ def _find_offers(
             offers = np.concatenate((offers, np.empty_like(offers)))
         stride = rule.d_min / max(np.sqrt(n_y**2 + n_x**2), 1e-30)
         for way in range(4):  # to both sides along its edge, and across it
-            if length > 1 if way < 2 else not thorough[i]:
+            if (length > 1 and way < 2) or insertion_range[i] == 0.0:
                 continue
             step = stride if way % 2 else -stride
             across = _BRANCH_STRIDE * step
@@ -340,7 +324,7 @@ def _find_offers(
             j, far_y, far_x = index[n], near[0, n], near[1, n]
             farthest = rule.d_min + max(insertion_range[i], insertion_range[j])
             apart = rule.d_min**2 < (far_y - y) ** 2 + (far_x - x) ** 2 <= farthest**2
-            if not (apart and eligible[j] and (j > i or not thorough[j])):
+            if not (apart and eligible[j] and (j > i or not looking[j])):
                 continue
             found = _find_midpoint(near, length, y, x, far_y, far_x, packed, faintest, rule)
             if not found[0] or count - before == _MAX_OFFERS:
@@ -386,22 +370,6 @@ def _find_place_beside(
     free, y, x = _slide_to_edge(packed, faintest, 0.5 * rule.d_min, y, x)
     about = _count_crowd(near, length, y, x, keep, rule.d_min)
     return free and about <= MAX_CROWD, y, x, keep, about
-
-
-@compiled
-def _is_flanked(cells: PlaneCells, present: Mask, y: float, x: float, n_y: float, n_x: float, distance: float) -> bool:
-    """Return whether a particle has others on both sides along its edge, too near for one between."""
-    before, behind = 0, 0
-    top, bottom, left, right = cells_around(cells, y, x, distance)
-    for row in range(top, bottom + 1):
-        first, last = row_of_cells(cells, row, left, right)
-        for k in range(first, last):
-            d_y, d_x = cells.y[k] - y, cells.x[k] - x
-            across, along = d_y * n_y + d_x * n_x, d_y * n_x - d_x * n_y
-            near = (d_y**2 + d_x**2 < distance**2) & (across**2 < along**2) & present[k]
-            before += near & (along > 0.0)
-            behind += near & (along < 0.0)
-    return before > 0 and behind > 0
 
 
 @compiled

@@ -29,7 +29,6 @@ from cpm_core.model.equations import (
 from cpm_core.model.interventions import start_scale
 from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
 from cpm_core.model.plane.births import (
-    SearchMasks,
     examine_contacts,
     find_insertions,
     replace_particles,
@@ -263,14 +262,10 @@ def insert_and_delete(
         kept &= particles.crept <= creeping_range(parameters) * 0.5**state.scale
     coverage, new = mark_covered(state.coverage, particles.position, contact.on_edge & kept, step)
     idle = idle_steps_at(coverage, particles.position, step, state.idle)
-    search = SearchMasks(
-        kept,
-        *_select_searching(
-            particles.identity, particles.distance, has_moved, idle, state.step // every, repulsion_gone
-        ),
-    )
+    turn = state.step // every
+    looking = _select_searching(particles.identity, particles.distance, has_moved, idle, turn, repulsion_gone)
     insertion_range = parameters.d_max * parameters.annealing**idle
-    births = find_insertions(contact, search, scale_field, insertion_range, parameters)
+    births = find_insertions(contact, kept, looking, scale_field, insertion_range, parameters)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
     if deleted or born:  # in the order of their cells: particles near in space are then near in memory
         stay = cells.order[kept[cells.order]] if deleted else np.arange(len(kept))
@@ -289,15 +284,13 @@ def insert_and_delete(
 @compiled
 def _select_searching(
     identity: Index, distance: Array, has_moved: Mask, idle: Index, turn: int, everywhere: bool
-) -> tuple[Mask, Mask]:
-    """Select the particles that search in a turn, and those that search thoroughly."""
-    count = len(identity)
-    looking, thorough = np.empty(count, np.bool_), np.empty(count, np.bool_)
-    for i in range(count):
-        number, front = identity[i] + turn, idle[i] < _FRONT_STEPS
-        thorough[i] = number % _SEARCH_INTERVAL == 0 or np.isnan(distance[i, HISTORY_STEPS - 1]) or everywhere
-        looking[i] = (thorough[i] or front) and has_moved[i]
-    return looking, thorough
+) -> Mask:
+    """Select the particles that search in a turn: those of a front and young ones always, the others by turns."""
+    looking = has_moved.copy()
+    for i in range(len(identity)):
+        front = idle[i] < _FRONT_STEPS or np.isnan(distance[i, HISTORY_STEPS - 1])
+        looking[i] &= everywhere or front or (identity[i] + turn) % _SEARCH_INTERVAL == 0
+    return looking
 
 
 def check_end(

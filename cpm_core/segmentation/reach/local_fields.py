@@ -24,6 +24,9 @@ _KEPT_LOCAL_FIELDS = 6
 _MAX_START_ROOM = 1024.0
 """Largest room around a start in which its area is searched in a large image [px]."""
 
+_SAME_AREA = 0.05
+"""Fraction by which an area may change from one window of a large image to the next larger one and be the same."""
+
 
 @record
 class LocalArea:
@@ -72,10 +75,13 @@ class LocalFields:
             return self._known[2]
 
     def _find_area(self, field: ScaleField, start: Array) -> LocalArea | None:
-        """Find the area of a start; in a large image in a window that the area does not leave."""
+        """Find the area of a start; in a large image in windows, until a larger one has the same."""
+        size, found = 0, None
         for part in _parts_around(field, start):
+            before = size
             found = find_start_area(part.values.astype(float), start - part.corner, self._closed_pixels(part))
-            if found is not None and not found.touches_end(part.corner, field.shape):
+            size = 0 if found is None else int(np.count_nonzero(found.inside))
+            if abs(size - before) < _SAME_AREA * size:
                 break
         if found is None:
             return None
@@ -96,17 +102,16 @@ class LocalFields:
 
 
 def _parts_around(field: ScaleField, start: Array) -> Iterator[ScaleField]:
-    """Yield larger and larger parts of the field of a large image around a start; of another image all of it."""
+    """Yield larger and larger parts of the field of a large image around a start, and at last all of it."""
     room = 0.0
-    while field.values.size > LARGE_IMAGE_PIXELS and room < _MAX_START_ROOM:
+    while field.values.size > LARGE_IMAGE_PIXELS and len(start) and room < _MAX_START_ROOM:
         window = window_around(start, field.shape, room)
         if window is None:
             break
         part = field.crop(window)
         yield part
         room = float(max(part.shape))
-    if not room:
-        yield field
+    yield field
 
 
 def _find_ridge(scale_field: ScaleField) -> Mask:

@@ -5,7 +5,7 @@ flooding from markers, Meyer 1994, doi:10.1016/0165-1684(94)90060-4). The two me
 them, also across gaps. A closed line may have been drawn around an object: if the object is bounded by edges about as
 strong as those around the whole start, its area is the one of the start (`find_surrounded_object`).
 
-The area depends on the image and the start alone, on no parameter of the particles.
+The area depends on the start and the gray levels of the field alone, on no parameter of the particles.
 """
 
 from __future__ import annotations
@@ -54,6 +54,9 @@ _MAX_FLOODED_PIXELS = 400_000
 _BOUNDARY_WIDTH = 1.0
 """Distance from the boundary up to which an area includes the edge that makes it, beyond the smoothing [px]."""
 
+_CLICK_RADIUS = 4.0
+"""Radius of the area that a click covers [px]: on an edge, it lies in part on both sides."""
+
 _MIN_OBJECT_SHARE = 0.15
 """Least share of the area of a start that an object in it has."""
 
@@ -85,14 +88,6 @@ class StartArea:
     inside: Mask
     boundary: Mask
 
-    def touches_end(self, corner: tuple[int, ...], shape: Extent) -> bool:
-        """Return whether the area comes near an end of its window, at `corner` of an image, that is no image border."""
-        place, near = np.argwhere(self.inside), 4.0 * _MAX_AREA_SIGMA
-        first, last = place.min(axis=0), place.max(axis=0)
-        end = np.array(self.inside.shape) - 1
-        beyond = (first < near) & (np.array(corner) > 0), (last > end - near) & (end + corner + 1 < shape)
-        return bool(np.any(beyond))
-
 
 class _Ground(NamedTuple):
     """Where areas are flooded: image, edge strength and shut pixels, shape (h, w), on a grid of `stride` [px]."""
@@ -115,11 +110,13 @@ def find_start_area(values: Array, start: Array, closed: Mask) -> StartArea | No
     closed : ndarray of bool, shape (H, W)
         Where no particle goes: outside the regions of interest, and on barriers.
     """
-    if is_everywhere(start, values.shape):
+    if not len(start) or is_everywhere(start, values.shape):
         return None
     drawn = drawn_area(start, values.shape)
+    if len(start) < MIN_DRAWN_PLACES:
+        drawn = scipy.ndimage.distance_transform_edt(~drawn) <= _CLICK_RADIUS
     hollow = hollow_part(start, drawn)
-    if not drawn.any() or np.count_nonzero(drawn & ~hollow) > _MAX_COVERED_SHARE * drawn.size:
+    if np.count_nonzero(drawn & ~hollow) > _MAX_COVERED_SHARE * drawn.size:
         return None
     ground, sigma = _prepare_ground(values, drawn, closed)
     pieces = _label_pieces(drawn, closed, ground.stride)

@@ -12,6 +12,7 @@ from cpm_app.model.text.language import localize_number, tr
 from cpm_core import Parameters, State
 from cpm_core.contours import Measures
 from cpm_core.model.equations import creeping_range
+from cpm_core.model.plane.state import PlaneState
 from cpm_core.parameters import UNLIMITED_REACH
 from cpm_core.segmentation import MethodState
 
@@ -26,6 +27,11 @@ MOTION_PARAMETERS = ("beta", RATIO_CONTROL, "annealing")
 """Parameters of the motion of particles."""
 
 
+def _is_limited(state: State, parameters: Parameters) -> bool:
+    """Return whether fronts of a run creep only so far out of the area of their start, if it has one."""
+    return isinstance(state, PlaneState) and parameters.reach < UNLIMITED_REACH
+
+
 def measure_motion(state: State, parameters: Parameters, length: float) -> Mapping[str, float]:
     """Measure what each parameter of `MOTION_PARAMETERS` acts on [px of the image].
 
@@ -34,8 +40,8 @@ def measure_motion(state: State, parameters: Parameters, length: float) -> Mappi
     where the reach has no limit, the widest gap that still gets a particle.
     """
     size, widest = 2.0**state.scale, creeping_range(parameters)
-    if parameters.reach >= UNLIMITED_REACH:
-        widest = size * (parameters.d_min + parameters.annealing**state.idle * parameters.d_max)
+    if not _is_limited(state, parameters):
+        widest = size * (parameters.d_min + min(state.annealed, parameters.annealing**state.idle) * parameters.d_max)
     return {"beta": size * state.displacement, RATIO_CONTROL: length, "annealing": widest}
 
 
@@ -53,7 +59,7 @@ def describe_effects(
         words[RATIO_CONTROL] = tr(
             "{length} of contours", length=format_measured_length(length, image.spacing, image.unit, 0)
         )
-    far = tr("fills gaps up to {length} px") if parameters.reach >= UNLIMITED_REACH else tr("creeps up to {length} px")
+    far = tr("creeps up to {length} px") if _is_limited(state, parameters) else tr("fills gaps up to {length} px")
     words["annealing"] = far.format(length=localize_number(f"{found['annealing']:.1f}"))
     if math.isinf(found["annealing"]):
         words["annealing"] = tr("creeps without end")

@@ -224,9 +224,12 @@ class Run:
         method, state = self.method, self.state
         if state is None and self._drawn.starts:
             method = self._prepared.method_for(self._drawn)
+        if not isinstance(method, Engine) or method.image.ndim == 3:
+            return None
+        if state is None and self._drawn.starts:
             with suppress(ValueError):  # nothing of the start is in the image: said when a run is to begin there
                 state = method.start(self._prepared.compute_seeds(self._drawn))
-        if not isinstance(method, Engine) or not isinstance(state, State):
+        if not isinstance(state, State):
             return None
         area = method.start_area(state.start, self.parameters)
         return None if area is None else DisplayImage.from_shades(shade_area(area))

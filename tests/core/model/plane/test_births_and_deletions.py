@@ -12,7 +12,6 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.model.plane.births import (
     PlaneBirths,
-    SearchMasks,
     examine_contacts,
     find_insertions,
     replace_particles,
@@ -119,9 +118,7 @@ def test_edge_contact_follows_the_field_between_the_pixels(edge):
     np.testing.assert_allclose(contact.strength, strength, rtol=1e-6, atol=1e-6 * edge.strongest)
 
 
-def births_of(
-    scale_field, points, d_max=3.0, on_edge=True, looking=True, present=True, thorough=True, d_min=2.0, **parameters
-):
+def births_of(scale_field, points, d_max=3.0, on_edge=True, looking=True, present=True, d_min=2.0, **parameters):
     """New particles of those at some points; all are on an edge, search and are present unless given otherwise.
 
     `d_max` is what annealing has left of it, for all or for each.
@@ -129,12 +126,11 @@ def births_of(
     points = np.array(points, dtype=float).reshape(-1, 2)
     left = np.broadcast_to(np.asarray(d_max, dtype=float), len(points)).copy()
     asked = Parameters(d_min=d_min, d_max=max(left.max(initial=0.0), 3.0), **parameters)
-    contact_at, searching, there, careful = (
-        np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy()
-        for mask in (on_edge, looking, present, thorough)
+    contact_at, searching, there = (
+        np.broadcast_to(np.asarray(mask, dtype=bool), len(points)).copy() for mask in (on_edge, looking, present)
     )
     contact = replace(edge_contact(points, scale_field, search_range(asked)), on_edge=contact_at)
-    return find_insertions(contact, SearchMasks(there, searching, careful), scale_field, left, asked)
+    return find_insertions(contact, there, searching, scale_field, left, asked)
 
 
 def births_between(scale_field, points, d_max=3.0, d_min=2.0):
