@@ -46,7 +46,7 @@ def pixel_before(packed: Single, y: float, x: float) -> tuple[int, int, float, f
 
 
 @compiled
-def interpolate_component(packed: Single, c: int, place: tuple[int, int, float, float]) -> float:
+def interpolate_component(packed: Single, c: np.int64, place: tuple[int, int, float, float]) -> float:
     """Interpolate component `c` of a packed force field, shape (H, W, C), at a position from `pixel_before`."""
     row, col, down, right = place
     upper = packed[row, col, c] * (1.0 - right) + packed[row, col + 1, c] * right

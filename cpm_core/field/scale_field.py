@@ -486,7 +486,7 @@ def _write_force(
 
 
 @compiled
-def _dilate_line(line: Array, reach: int, out: Array) -> None:
+def _dilate_line(line: Array, reach: np.int64, out: Array) -> None:
     """Write the largest of the values up to a distance along a line."""
     for c in range(len(line)):
         out[c] = line[c]
@@ -498,7 +498,7 @@ def _dilate_line(line: Array, reach: int, out: Array) -> None:
 
 
 @compiled
-def _max_over_lines(lines: Array, at: int, reach: int, out: Array) -> None:
+def _max_over_lines(lines: Array, at: int, reach: np.int64, out: Array) -> None:
     """Write the largest of the values in lines up to a distance from one of them."""
     first = max(at - reach, 0)
     for c in range(len(out)):

@@ -117,7 +117,7 @@ def _mark_cells(found: Steps, latest: Steps, position: Array, on_edge: Mask, ste
 
 
 @compiled
-def idle_steps_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
+def idle_steps_at(coverage: Coverage, positions: Array, step: int, elsewhere: int | np.int64) -> Index:
     """Count the steps since cells around each particle were newly covered, shape (N,); `elsewhere` if none ever was."""
     idle = np.empty(len(positions), np.int64)
     for i in range(len(positions)):

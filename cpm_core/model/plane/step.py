@@ -264,7 +264,7 @@ def insert_and_delete(
     idle = idle_steps_at(coverage, particles.position, step, state.idle)
     turn = state.step // every
     looking = _select_searching(particles.identity, particles.distance, has_moved, idle, turn, repulsion_gone)
-    insertion_range = parameters.d_max * parameters.annealing**idle
+    insertion_range = np.asarray(parameters.d_max * parameters.annealing**idle, np.float64)
     births = find_insertions(contact, kept, looking, scale_field, insertion_range, parameters)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
     if deleted or born:  # in the order of their cells: particles near in space are then near in memory

@@ -172,9 +172,9 @@ def _flood_basin(ground: _Ground, pieces: Labels) -> Mask | None:
     """
     strength, shut = ground.strength, ground.shut
     marker = np.zeros(strength.shape, bool)
-    for number, box in enumerate(scipy.ndimage.find_objects(pieces), start=1):
-        if box is None:
-            continue
+    boxes = scipy.ndimage.find_objects(pieces)
+    for number in np.setdiff1d(pieces, 0).tolist():
+        box = boxes[number - 1]
         piece = (pieces[box] == number) & ~shut[box]
         strongest = float(strength[box].max(where=piece, initial=0.0))
         parts, _ = scipy.ndimage.label(piece & (strength[box] <= _CROSSING_FRACTION * strongest))

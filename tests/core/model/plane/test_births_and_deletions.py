@@ -179,19 +179,38 @@ def test_the_particle_that_annealing_has_left_more_range_decides_on_a_pair(edge,
     np.testing.assert_allclose(births.position, np.reshape(born * [(17.0, EDGE)], (-1, 2)), atol=1e-12)
 
 
-def test_a_particle_alone_on_an_edge_gets_one_companion_at_d_min_along_it(edge):
+def test_a_particle_alone_on_an_edge_gets_one_to_each_side_at_d_min_along_it(edge):
     births = births_of(edge, [(20.0, EDGE)])
-    np.testing.assert_allclose(births.position, [(births.position[0, 0], EDGE)], atol=0.2)
-    assert abs(births.position[0, 0] - 20.0) == pytest.approx(2.0)
-    pair = np.concatenate([[(20.0, EDGE)], births.position])
-    assert len(births_of(edge, pair).position) == 0
+    np.testing.assert_allclose(np.sort(births.position[:, 0]), [18.0, 22.0], atol=1e-9)
+    np.testing.assert_allclose(births.position[:, 1], EDGE, atol=0.2)
+    assert (births.parents == 0).all()
+    three = np.concatenate([[(20.0, EDGE)], births.position])
+    assert len(births_of(edge, three).position) == 0
 
 
-@pytest.mark.parametrize(("other", "left", "alone"), [(5.1, 3.0, True), (4.9, 3.0, False), (4.9, 2.5, True)])
-def test_only_a_particle_with_no_other_within_d_min_and_its_range_is_alone(edge, other, left, alone):
+@pytest.mark.parametrize(("other", "alone"), [(6.0, True), (5.0, False)])
+@pytest.mark.parametrize("left", [3.0, 0.5])
+def test_a_particle_is_alone_with_none_in_reach_whatever_annealing_has_left(edge, other, left, alone):
     births = births_of(edge, [(15.0, EDGE), (15.0 + other, EDGE)], d_max=left)
     assert (births.parents[:, 0] == births.parents[:, 1]).any() == alone
     assert len(births_of(edge, [(15.0, EDGE + 6.0)]).position) == 0  # off the edge there is no place beside it
+
+
+def test_without_an_insertion_range_no_particle_is_born(edge):
+    assert len(births_of(edge, [(15.0, EDGE)], d_max=0.0).position) == 0
+
+
+def test_a_particle_next_to_the_beginning_of_another_edge_gets_one_there():
+    """Where a T meets: the weaker edge begins some pixels beside the stronger one."""
+    rows, cols = np.mgrid[:40, :40]
+    meeting = np.where(cols < 20, 200.0, np.where(rows < 20, 140.0, 20.0))
+    scale_field = build_scale_field(meeting, 1.0, 0.0)
+    stem = np.stack([np.arange(4.5, 37.0, 1.5), np.full(22, 19.5)], axis=1)
+    births = births_of(scale_field, stem)
+    beside = births.position[births.parents[:, 0] == births.parents[:, 1]]
+    np.testing.assert_allclose(beside[:, 0], 19.5, atol=0.5)
+    assert len(beside) == 1
+    assert beside[0, 1] > 21.0
 
 
 def test_a_row_ahead_of_which_an_edge_is_free_grows_by_no_birth(edge):
@@ -204,8 +223,7 @@ def test_a_deleted_particle_is_no_parent_and_blocks_no_position(edge):
     assert len(births_of(edge, points).position) == 0
     births = births_of(edge, points, present=(True, False, True))
     np.testing.assert_allclose(births.position, [(16.8, EDGE)], atol=1e-12)
-    (alone,) = births_of(edge, points, present=(True, False, False)).parents
-    assert alone.tolist() == [0, 0]
+    assert (births_of(edge, points, present=(True, False, False)).parents == 0).all()
 
 
 def test_no_particle_is_inserted_across_a_barrier():
@@ -214,9 +232,8 @@ def test_no_particle_is_inserted_across_a_barrier():
     assert len(births_of(scale_field, [(19.0, EDGE), (22.0, EDGE)]).position) == 0
     assert len(births_of(scale_field, [(15.0, EDGE), (18.0, EDGE)]).position) == 1
     for row in (19.0, 21.4):
-        beside = births_of(scale_field, [(row, EDGE)]).position
-        assert ((beside[:, 0] < 20.2) == (row < 20.2)).all()
-        assert len(beside) == 1
+        (beside,) = births_of(scale_field, [(row, EDGE)]).position
+        assert (beside[0] < 20.2) == (row < 20.2)
 
 
 @pytest.fixture(scope="module")

@@ -86,9 +86,9 @@ def ranges(monkeypatch):
     """Insertion range of each particle at every step."""
     seen = []
 
-    def noting(contact, search, scale_field, insertion_range, parameters):
+    def noting(contact, present, looking, scale_field, insertion_range, parameters):
         seen.append(insertion_range)
-        return find_insertions(contact, search, scale_field, insertion_range, parameters)
+        return find_insertions(contact, present, looking, scale_field, insertion_range, parameters)
 
     find_insertions = plane_step.find_insertions
     monkeypatch.setattr(plane_step, "find_insertions", noting)
