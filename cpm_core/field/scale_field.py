@@ -500,10 +500,10 @@ def _dilate_line(line: Array, reach: np.int64, out: Array) -> None:
 @compiled
 def _max_over_lines(lines: Array, at: int, reach: np.int64, out: Array) -> None:
     """Write the largest of the values in lines up to a distance from one of them."""
-    first = max(at - reach, 0)
+    first = max(at - int(reach), 0)
     for c in range(len(out)):
         out[c] = lines[first, c]
-    for k in range(first + 1, min(at + reach + 1, len(lines))):
+    for k in range(first + 1, min(at + int(reach) + 1, len(lines))):
         for c in range(len(out)):
             out[c] = max(out[c], lines[k, c])
 
