@@ -180,7 +180,7 @@ class Bridge:
     >>> result = cpm.segment(cpm.example("gap"), cpm.circle((32, 32), 8), parameters)
     >>> bridge = result.bridges[0]
     >>> len(result.bridges), round(bridge.length), bridge.strength < result.contours[0].strength
-    (1, 9, True)
+    (1, 10, True)
     """
 
     points: Array

@@ -73,7 +73,7 @@ class Result(drawing.Pictured):
     --------
     >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
     >>> result
-    <Result ring, 2 contours (2 closed), 133 particles, at rest after 80 steps>
+    <Result ring, 2 contours (2 closed), 133 particles, at rest after 68 steps>
     >>> result.labels.shape, int(result.labels[32, 12]), int(result.labels[32, 32])  # the ring, and the hole in it
     ((64, 64), 1, 2)
     >>> table = result.table(in_units=True)

@@ -73,9 +73,9 @@ class Engine(ImageFields):
     >>> while not state.stop_reason:
     ...     state = engine.step(state, cpm.Parameters())
     >>> engine.result(state, cpm.Parameters())
-    <Result disk, 1 contour (1 closed), 82 particles, at rest after 95 steps>
+    <Result disk, 1 contour (1 closed), 81 particles, at rest after 103 steps>
     >>> engine.forces(state, cpm.Parameters())
-    <Forces on 82 particles>
+    <Forces on 81 particles>
     >>> engine.measure_state(state, cpm.Parameters())["count"] == state.count
     True
     >>> engine.energies(state, cpm.Parameters()).kinetic < 1e-3

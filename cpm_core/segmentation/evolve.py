@@ -262,7 +262,7 @@ def evolve(
     ...     if moment.step % 80 == 0:
     ...         print(moment.step, moment.count, len(moment.contours))
     0 25 0
-    80 82 1
+    80 81 1
     """
     if max_steps is not None:
         check_finite_number(
@@ -331,7 +331,7 @@ def segment(
     --------
     >>> result = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8))
     >>> result
-    <Result disk, 1 contour (1 closed), 82 particles, at rest after 95 steps>
+    <Result disk, 1 contour (1 closed), 81 particles, at rest after 103 steps>
     >>> round(result.contours[0].area), result.converged
     (1251, True)
     >>> cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), cpm.Parameters(beta=0.6), max_steps=3).stop_reason

@@ -112,9 +112,7 @@ def find_start_area(values: Array, start: Array, closed: Mask) -> StartArea | No
     """
     if not len(start) or is_everywhere(start, values.shape):
         return None
-    drawn = drawn_area(start, values.shape)
-    if len(start) < MIN_DRAWN_PLACES:
-        drawn = scipy.ndimage.distance_transform_edt(~drawn) <= _CLICK_RADIUS
+    drawn = _cover_clicks(start, values.shape) if len(start) < MIN_DRAWN_PLACES else drawn_area(start, values.shape)
     hollow = hollow_part(start, drawn)
     if np.count_nonzero(drawn & ~hollow) > _MAX_COVERED_SHARE * drawn.size:
         return None
@@ -135,6 +133,13 @@ def find_start_area(values: Array, start: Array, closed: Mask) -> StartArea | No
         return None
     boundary = scipy.ndimage.distance_transform_edt(~border) <= _BOUNDARY_WIDTH + sigma
     return StartArea(inside | boundary, boundary)
+
+
+def _cover_clicks(start: Array, shape: Extent) -> Mask:
+    """Return the pixels around each of a few clicks."""
+    on = np.zeros(shape, bool)
+    on[tuple(np.clip(np.rint(start).astype(int), 0, np.array(shape) - 1).T)] = True
+    return np.asarray(scipy.ndimage.distance_transform_edt(~on) <= _CLICK_RADIUS)
 
 
 def object_enclosed_by(values: Array, places: Array, closed: Mask) -> Mask | None:

@@ -34,7 +34,7 @@ def test_the_contrast_of_a_contour_is_the_mean_along_it_and_stays_with_it_elsewh
     state = engine.start(uniform_grid((100, 100)))
     for _ in range(60):
         state = engine.step(state, Parameters())
-    found, _ = find_contours(state.position, engine.scale_field(Parameters()), Parameters())
+    found, *_ = find_contours(state.position, engine.scale_field(Parameters()), Parameters())
     assert found
     for contour in found:
         expected = engine.scale_field(Parameters()).contrast_at(contour.points).mean()
