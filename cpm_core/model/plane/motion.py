@@ -121,6 +121,8 @@ class MotionLaw(NamedTuple):
         Weights of eq. (12), spacing, time step.
     neighbor_range : float
         `NEIGHBOR_RANGE` [px].
+    floor : float
+        Least edge strength for edge contact.
     """
 
     w1: float
@@ -128,6 +130,7 @@ class MotionLaw(NamedTuple):
     d_min: float
     dt: float
     neighbor_range: float
+    floor: float
 
 
 @lru_cache(maxsize=8)
@@ -218,7 +221,7 @@ def move_in_plane(
     size = mesh.reach if np.isfinite(mesh.reach) else float(max(scale_field.shape) + 1)
     cells = build_plane_cells(particles.position, scale_field.shape, size)
     near = NEIGHBOR_RANGE * (parameters.d_min + parameters.d_max)
-    law = MotionLaw(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, near)
+    law = MotionLaw(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, near, scale_field.floor)
     damped = damped_motion(parameters.beta, parameters.time_step)
     moved = MovedParticles.allocate(particles)
     before, after = (particles.velocity, particles.force, particles.distance, particles.crept), moved.particles
@@ -379,7 +382,8 @@ def _step_particle(
     to_y, to_x = y + kept * (to_y - y), x + kept * (to_x - x)
     kept = farthest / max(farthest, law.dt * np.sqrt(v_y**2 + v_x**2))
     v_y, v_x = kept * v_y, kept * v_x
-    along = _size_along(to_y - y, to_x - x, n_y, n_x) if on_edge else 0.0
+    creeps = on_edge and interpolate_component(packed, EDGE_STRENGTH, place) >= law.floor
+    along = _size_along(to_y - y, to_x - x, n_y, n_x) if creeps else 0.0
     return to_y, to_x, v_y, v_x, along, (f_y, f_x, last_y, last_x)
 
 
