@@ -197,12 +197,12 @@ def test_no_particle_moves_farther_in_a_step_than_half_of_d_min(seed, speed, d_m
     assert (0.5 * np.hypot(*after.velocity.T)).max() <= farthest * (1.0 + 1e-12)
 
 
-def creeping(places, normal, area, before=0.0):
+def creeping(places, normal, area, before=0.0, floor=0.0):
     """Particles after a step on edges of one normal everywhere, with a way crept `before`, and their motion."""
     particles = aged(places, seed=3, speed=2.0)
     particles.crept[:] = before
     scale_field = even_scale_field(SHAPE, (0.0, 0.0), normal)
-    return particles, moved(particles, scale_field=replace(scale_field, area=area))[0]
+    return particles, moved(particles, scale_field=replace(scale_field, area=area, floor=floor))[0]
 
 
 def test_what_a_particle_creeps_along_an_edge_outside_the_area_is_added_up_and_inside_it_is_none():
@@ -214,6 +214,8 @@ def test_what_a_particle_creeps_along_an_edge_outside_the_area_is_added_up_and_i
     assert not after.crept[inside].any()
     along = np.abs(after.position[:, 1] - before.position[:, 1])  # the normal points down
     np.testing.assert_allclose(after.crept[~inside], 7.0 + along[~inside], rtol=1e-9)
+    weak = creeping(cloud(60, 4), (1.0, 0.0), area, before=7.0, floor=1e9)[1]  # such as around a charge
+    assert (weak.crept[~inside] == 7.0).all()
 
 
 def test_flight_off_the_edges_is_no_creeping():
