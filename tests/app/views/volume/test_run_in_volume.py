@@ -69,6 +69,7 @@ def test_a_run_covers_the_ball_and_each_slice_shows_the_particles_near_it(volume
     hand.drag((14, 16), (14, 18), (14, 20))
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
+    hand.wait(lambda: volume.session.idle)  # the last snapshot may still be on its way
     assert volume.session.status.converged
     snapshot, canvas = volume.session.scene.snapshot, volume.canvas_area.canvas
     away = np.linalg.norm(snapshot.position - np.array([11.5, 13.5, 15.5]), axis=1)
