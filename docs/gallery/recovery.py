@@ -4,15 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 
 from cpm_core.contours.agreement import compare_boundaries
-from cpm_core.model.plane import step as plane
-from cpm_core.model.plane.state import PlaneState
-from cpm_core.model.plane.step import insert_and_delete
 from cpm_core.parameters import Parameters
 from cpm_core.published.crust import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
@@ -47,35 +42,21 @@ def convergence() -> Page:
 
 
 def population() -> Page:
-    """Fig. 6: without insertion and deletion, with them, and from five particles."""
+    """Fig. 6: without insertion, with it, and from five particles."""
     scene = silhouettes.flower()
-    alone = _without_population(scene.under(Parameters(scales=1)))
+    alone = _without_insertion(scene)
     both, five = run(scene), run(replace(scene, seeds=scene.seeds[:: len(scene.seeds) // 5][:5]))
-    runs = {"without insertion and deletion": alone, "with insertion and deletion": both, "from five particles": five}
+    runs = {"without insertion": alone, "with insertion": both, "from five particles": five}
     panels = [outcome(title, done, particles=True) for title, done in runs.items()]
     recalls = [done.end.agreement.recall for done in runs.values()]
-    note = "recall {:.3f} without insertion and deletion, {:.3f} with them, {:.3f} from five particles"
+    note = "recall {:.3f} without insertion, {:.3f} with it, {:.3f} from five particles"
     row = [start(scene, f"start: {len(scene.seeds)} particles"), *panels]
     return Page([row], note=note.format(*recalls), alike=False)
 
 
-class _Constant(Engine):
-    """The model without insertion and deletion."""
-
-    def __init__(self, *given: Any) -> None:
-        super().__init__(*given)
-        self._law = self._law._replace(step=partial(plane.step_in_plane, populate=_unchanged))
-
-
-def _unchanged(state: PlaneState, *rest: Any) -> PlaneState:
-    """Return the coverage of a step with insertion and deletion, and the particles before them."""
-    after = insert_and_delete(state, *rest)
-    return replace(after, particles=state.particles, born=0, deleted=state.deleted)
-
-
-def _without_population(scene: Scene) -> Run:
-    """Run with a constant number of particles, and reconstruct from the particles alone."""
-    done = run(scene, engine=_Constant(scene.values, scene.parameters))
+def _without_insertion(scene: Scene) -> Run:
+    """Run without insertion, and reconstruct from the particles alone."""
+    done = run(scene.under(Parameters(scales=1, d_max=0.0)))
     contours = reconstruct_curve(done.end.particles)
     seen = compare_boundaries(contours, scene.truth, done.end.agreement.tolerance)
     closed = recovered(contours, scene.truth, seen.tolerance)

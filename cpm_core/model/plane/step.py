@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -149,8 +148,6 @@ def reseed_enclosed(state: PlaneState, scale_field: ScaleField) -> PlaneState | 
         next_identity=state.next_identity + len(places),
         reseedings=state.reseedings + 1,
         born=state.born + len(places),
-        annealed=1.0,
-        reactivated=state.step_of_scale,
         idle=0,
         quiet=0,
     )
@@ -318,26 +315,21 @@ def check_end(
     return state
 
 
-Populate = Callable[[PlaneState, MovedParticles, bool, ScaleField, Parameters], PlaneState]
-"""Insertion and deletion of a step."""
-
-
 def step_in_plane(
     state: PlaneState,
     field: ScaleField,
     regions: AnyRegions | None,
     parameters: Parameters,
-    populate: Populate = insert_and_delete,
 ) -> PlaneState:
     """Return the state after one time step, and after the end of its scale or its run if that has come.
 
-    `field` includes the placed charges; `populate` can be replaced in experiments.
+    `field` includes the placed charges.
     """
     idle = idle_steps_of(state, field, parameters)
     repulsion_gone = not (idle < FADED_STEPS).any()
     state, moved = move_particles(state, idle, field, parameters)
     if len(state.particles):
-        state = populate(state, moved, repulsion_gone, field, parameters)
+        state = insert_and_delete(state, moved, repulsion_gone, field, parameters)
     return check_end(state, field, regions, parameters)
 
 
