@@ -226,8 +226,13 @@ class ScaleField:
 
     def with_barriers(self, barrier_map: BarrierMap) -> ScaleField:
         """Return this field with other barriers; everything already derived from it is kept."""
+        return self._with(barrier_map=barrier_map)
+
+    def _with(self, **changed: object) -> ScaleField:
+        """Return this field with other values, and with everything already derived from it."""
         other = copy(self)
-        object.__setattr__(other, "barrier_map", barrier_map)
+        for name, value in changed.items():
+            object.__setattr__(other, name, value)
         return other
 
     @property
@@ -520,15 +525,11 @@ def limit_field(scale_field: ScaleField, area: Mask, floor: float) -> ScaleField
     """Return this field for a start in an area, shape (H, W), where weaker edges than a floor hold no particle."""
     if scale_field.values.size > LARGE_IMAGE_PIXELS:
         _ = scale_field._windowed  # made once for all starts
-    other = copy(scale_field)
     holding = max(floor, scale_field.holding)
     made_of = scale_field.exponent, scale_field.fixed_charges, scale_field.slopes, scale_field.edge_map
-    limited = {
-        "force": cache(partial(pack_force, *made_of, holding, scale_field.cut)),
-        "holding": holding,
-        "floor": max(floor, scale_field.floor),
-        "area": area,
-    }
-    for name, value in limited.items():
-        object.__setattr__(other, name, value)
-    return other
+    return scale_field._with(
+        force=cache(partial(pack_force, *made_of, holding, scale_field.cut)),
+        holding=holding,
+        floor=max(floor, scale_field.floor),
+        area=area,
+    )

@@ -155,9 +155,6 @@ EPSILON_BOUND = 0.001
 QUIET_STEPS = 20
 """Consecutive quiet steps of an equilibrium."""
 
-MIN_SCALE_STEPS = 400
-"""Number of steps that every scale may take, however small the image."""
-
 IDLE_STEPS = 10
 """Steps without newly covered cells after which a coarser scale is finished."""
 
@@ -207,20 +204,17 @@ def is_idle(new: int, coverage: int) -> bool:
 DELETION_DISTANCE = 0.5
 """Least distance of two particles, in d_min."""
 
-INSERTION_STRIDE = 0.9
-"""Distance of a position ahead of a particle, in d_min."""
-
-_USUAL_PUSH = 1.6 / (1.75 - 1.6)
-"""Ratio of push to hold, ``w1 / (w2 - w1)``, at the weights of the paper."""
-
-_USUAL_BETA = 0.8
-"""Damping of the paper."""
-
-_USUAL_FADING = 1.0 - 0.99
-"""Part of the insertion range that the annealing of the paper takes at each step."""
+_PAPER = Parameters()
+"""The values of the paper."""
 
 _MIN_CREEPING_BETA = 0.01
 """Damping that counts where there is less."""
+
+
+def _creeping_drive(parameters: Parameters) -> float:
+    """Return what a front creeps by: push against hold, times steps before births end, times the way of coasting."""
+    push = parameters.w1 / (parameters.w2 - parameters.w1)
+    return push / (1.0 - parameters.annealing) / max(parameters.beta, _MIN_CREEPING_BETA) ** 2
 
 
 def creeping_range(parameters: Parameters) -> float:
@@ -234,7 +228,4 @@ def creeping_range(parameters: Parameters) -> float:
         return float("inf")
     if parameters.annealing == 1.0:
         return float("inf") if parameters.reach * parameters.w1 > 0.0 else 0.0
-    push = parameters.w1 / (parameters.w2 - parameters.w1) / _USUAL_PUSH
-    steps = _USUAL_FADING / (1.0 - parameters.annealing)
-    coasting = (_USUAL_BETA / max(parameters.beta, _MIN_CREEPING_BETA)) ** 2
-    return parameters.reach * push * steps * coasting
+    return parameters.reach * (_creeping_drive(parameters) / _creeping_drive(_PAPER))

@@ -19,6 +19,8 @@ ridge and 0.7 % deeper, and while 150 particles settle there their energy rises 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from cpm_core.model.state import State
@@ -97,3 +99,15 @@ class Forces:
 
     def __repr__(self) -> str:
         return format_repr("Forces", f"on {format_count(len(self.coulomb), 'particle')}")
+
+
+_ATTRIBUTE_OF_METRIC = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {
+    "numbered": "next_identity"
+}
+"""Attributes of a state by the name of the metric."""
+
+
+def state_metrics(state: State) -> Mapping[str, float]:
+    """Return the metrics of a state by name; see `Method.measure_state`."""
+    metrics = {name: float(getattr(state, attribute)) for name, attribute in _ATTRIBUTE_OF_METRIC.items()}
+    return metrics | {"kinetic": kinetic_energy(state)}

@@ -19,9 +19,6 @@ from cpm_core.numerics.types import Array, Mask
 NEAREST = 0.1
 """Part of the particles, the nearest to each, that the Coulomb force is summed over (section 3.5.1)."""
 
-EPSILON = 0.001
-"""Bound of eq. (23) [px]."""
-
 
 def advance(
     p: Particles, lorentz: Array, w1: float, w2: float, beta: float, dt: float, d_min: float, d_max_t: float,

@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 
 from cpm_core.field.convolution import convolved_field
+from cpm_core.field.edge_map import vector_magnitudes
 from cpm_core.field.scale_field import unit_vectors
 from cpm_core.numerics.types import Array
 from cpm_core.published.pppm import pppm_field
@@ -22,7 +23,7 @@ def fixed_charges(f: Array, sigma: float) -> Array:
     r"""Return the charge ``e = -|grad(G_sigma * f)|`` of every pixel of gray levels, shape (\*shape)."""
     f_smooth = scipy.ndimage.gaussian_filter(np.asarray(f, float), sigma, mode="nearest")  # line 1
     g = gradient_map(f_smooth)  # line 2
-    return -magnitude(g)  # line 3
+    return -vector_magnitudes(g)  # line 3
 
 
 FIELDS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
@@ -36,7 +37,7 @@ def minima_charges(e_field: Array) -> Array:
 
     A minimum has, in its neighborhood of five pixels a side, at least 95 % of points with a value as large or larger.
     """
-    size = magnitude(e_field)
+    size = vector_magnitudes(e_field)
     values = np.lib.stride_tricks.sliding_window_view(np.pad(size, 2, mode="edge"), (5,) * size.ndim)
     around = tuple(range(size.ndim, 2 * size.ndim))
     share = (values >= np.expand_dims(size, around)).mean(axis=around)
@@ -48,17 +49,12 @@ def gradient_map(values: Array) -> Array:
     return np.stack([np.gradient(values, axis=axis) for axis in range(values.ndim)])
 
 
-def magnitude(vectors: Array) -> Array:
-    r"""Return the lengths, shape (\*shape), of vectors, shape (D, \*shape)."""
-    return np.asarray(np.sqrt((vectors**2).sum(axis=0)))
-
-
 def _divide_by_largest(vectors: Array) -> Array:
-    return vectors / max(float(magnitude(vectors).max(initial=0.0)), 1e-300)
+    return vectors / max(float(vector_magnitudes(vectors).max(initial=0.0)), 1e-300)
 
 
 def _divide_by_mean(vectors: Array) -> Array:
-    return vectors / max(float(magnitude(vectors).mean()), 1e-300) if vectors.size else vectors
+    return vectors / max(float(vector_magnitudes(vectors).mean()), 1e-300) if vectors.size else vectors
 
 
 NORMALIZATIONS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(

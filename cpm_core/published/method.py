@@ -30,8 +30,8 @@ from cpm_core.field.placed_charges import (
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model import interventions
-from cpm_core.model.measures import Forces, kinetic_energy
+from cpm_core.model import EPSILON_BOUND, interventions
+from cpm_core.model.measures import Forces, state_metrics
 from cpm_core.model.starts import check_seeds, is_allowed, is_inside_image
 from cpm_core.model.state import Particles, State
 from cpm_core.numerics.types import Array, Arrays, Texts
@@ -206,7 +206,7 @@ class Published:
         )
         if not state.count:
             return state.stop("all particles left the image")
-        if not state.epsilon < dynamics.EPSILON:  # line 10
+        if not state.epsilon < EPSILON_BOUND:  # line 10
             return state
         if state.scale:
             return self._begin_scale(state, state.scale - 1, state.position)
@@ -222,8 +222,7 @@ class Published:
 
     def measure_state(self, state: PublishedState, parameters: Parameters) -> Mapping[str, float]:
         """Return the metrics of a state by name; see `Method.measure_state`."""
-        names = {name: float(getattr(state, name)) for name in ("epsilon", "count", "born", "deleted", "scale")}
-        return names | {"numbered": float(state.next_identity), "kinetic": kinetic_energy(state)}
+        return state_metrics(state)
 
     def display_positions(self, state: PublishedState) -> Array:
         """Return the positions of the particles, shape (N, D) [px of the image]."""

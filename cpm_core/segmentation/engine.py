@@ -21,7 +21,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.model import interventions
 from cpm_core.model.image_fields import FieldMeasure, ImageFields
-from cpm_core.model.measures import Energies, Forces, kinetic_energy
+from cpm_core.model.measures import Energies, Forces, state_metrics
 from cpm_core.model.plane import step as plane
 from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.starts import check_seeds
@@ -299,24 +299,17 @@ class Engine(ImageFields):
 
     def measure_state(self, state: State, parameters: Parameters) -> Mapping[str, float]:
         """Return the metrics of a state by name; see `Method.measure_state`."""
-        metrics = {name: float(getattr(state, attribute)) for name, attribute in _ATTRIBUTE_OF_METRIC.items()}
-        return metrics | {"kinetic": kinetic_energy(state)}
+        return state_metrics(state)
 
     def display_positions(self, state: State) -> Array:
         """Return the positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
 
     def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
-        """Return the fields of the scale of a state, limited to the edges that its start reaches."""
+        """Return the fields of the scale of a state, limited to the area of its start."""
         return self._local_fields.field_at(state.scale, state.start, parameters, state.window)
 
     def __repr__(self) -> str:
         return format_repr(
             "Engine", self.image.source, format_size(self.image.shape, ""), format_count(self.scales, "scale")
         )
-
-
-_ATTRIBUTE_OF_METRIC = {name: name for name in ("epsilon", "count", "born", "deleted", "scale")} | {
-    "numbered": "next_identity"
-}
-"""Attributes of a state by the name of the metric."""

@@ -275,7 +275,7 @@ def _move_sorted(
             prefetch_field(packed, cells, k, last, motion)
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         v_y, v_x = velocity[i, 0], velocity[i, 1]
-        to_y, to_x, along = y, x, 0.0
+        to_y, to_x = y, x
         history = (force[i, 0, 0], force[i, 0, 1], force[i, 1, 0], force[i, 1, 1])
         if idle[i] >= FADED_STEPS and v_y**2 + v_x**2 < REST_SPEED**2 and not np.isnan(distance[i, HISTORY_STEPS - 1]):
             v_y, v_x = 0.0, 0.0
@@ -283,7 +283,7 @@ def _move_sorted(
             late = min(idle[i], len(damped) - 1)
             series = (damped[late, 0], damped[late, 1], damped[late, 2], damped[late, 3])
             c_y, c_x = coulomb[k - first, 0], coulomb[k - first, 1]
-            to_y, to_x, v_y, v_x, along, history = _step_particle(
+            to_y, to_x, v_y, v_x, history = _step_particle(
                 packed, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history
             )
         to_position[i, 0], to_position[i, 1], to_velocity[i, 0], to_velocity[i, 1] = to_y, to_x, v_y, v_x
@@ -291,9 +291,19 @@ def _move_sorted(
         to_distance[i, 1], to_distance[i, 2], to_distance[i, 3] = distance[i, 0], distance[i, 1], distance[i, 2]
         to_distance[i, 0] = np.sqrt(to_y**2 + to_x**2)
         motion[i] = np.sqrt((to_y - y) ** 2 + (to_x - x) ** 2)
-        to_crept[i] = crept[i] + along
-        if _is_inside(area, to_y, to_x):
-            to_crept[i] = 0.0
+        to_crept[i] = 0.0
+        if not _is_inside(area, to_y, to_x):
+            to_crept[i] = crept[i] + _way_along_edge(packed, law.floor, y, x, to_y - y, to_x - x)
+
+
+@compiled
+def _way_along_edge(packed: Single, floor: float, y: float, x: float, down: float, right: float) -> float:
+    """Return how far a move from a position goes along an edge that is strong enough; 0 off the edges."""
+    _, on_edge, n_y, n_x = edge_state_at(packed, y, x, floor)
+    if not on_edge:
+        return 0.0
+    size = max(np.sqrt(n_y**2 + n_x**2), 1e-30)
+    return _size_along(down, right, n_y / size, n_x / size)
 
 
 @compiled
@@ -353,17 +363,13 @@ def _step_particle(
     c_y: float,
     c_x: float,
     history: Four,
-) -> tuple[float, float, float, float, float, Four]:
-    """Return the particle after the step of eq. (14)-(15), by the total force of eq. (12) with Coulomb force c.
-
-    Also returns how far it has moved along an edge.
-    """
+) -> tuple[float, float, float, float, Four]:
+    """Return the particle after the step of eq. (14)-(15), by the total force of eq. (12) with Coulomb force c."""
     last_y, last_x, old_y, old_x = history
     place = pixel_before(packed, y, x)
     l_y, l_x = interpolate_component(packed, FORCE_ROW, place), interpolate_component(packed, FORCE_COL, place)
     f_y, f_x = law.w1 * c_y + law.w2 * l_y, law.w1 * c_x + law.w2 * l_x
-    n_y, n_x, on_edge = 0.0, 0.0, l_y**2 + l_x**2 < ON_EDGE_FORCE**2
-    if on_edge:
+    if l_y**2 + l_x**2 < ON_EDGE_FORCE**2:
         n_y, n_x = (
             interpolate_component(packed, GRADIENT_ROW, place),
             interpolate_component(packed, GRADIENT_COL, place),
@@ -382,9 +388,7 @@ def _step_particle(
     to_y, to_x = y + kept * (to_y - y), x + kept * (to_x - x)
     kept = farthest / max(farthest, law.dt * np.sqrt(v_y**2 + v_x**2))
     v_y, v_x = kept * v_y, kept * v_x
-    creeps = on_edge and interpolate_component(packed, EDGE_STRENGTH, place) >= law.floor
-    along = _size_along(to_y - y, to_x - x, n_y, n_x) if creeps else 0.0
-    return to_y, to_x, v_y, v_x, along, (f_y, f_x, last_y, last_x)
+    return to_y, to_x, v_y, v_x, (f_y, f_x, last_y, last_x)
 
 
 @compiled

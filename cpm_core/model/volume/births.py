@@ -23,7 +23,7 @@ from cpm_core.field.scale_field import EDGE_END_FRACTION
 from cpm_core.field.volume_edges import EdgeBricks, edge_at
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import face_same_way, is_ridge, project_to_ridge
-from cpm_core.model.equations import DELETION_DISTANCE, INSERTION_STRIDE
+from cpm_core.model.equations import DELETION_DISTANCE
 from cpm_core.model.volume.motion import (
     MIN_CELL_SIDE,
     VolumeCells,
@@ -86,6 +86,9 @@ def _find_close(
 
 NEW_PARTICLE_ROOM = 0.68
 """Least distance of a new particle from others of its sheet, in d_min."""
+
+INSERTION_STRIDE = 0.9
+"""Distance of a position ahead of a particle, in d_min."""
 
 _GAP_NEIGHBOR_RANGE = 1.7
 """Distance up to which neighbors close a gap, in strides."""

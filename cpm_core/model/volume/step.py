@@ -18,7 +18,6 @@ from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import SurfaceCoverage, cover_surfaces, no_surface_coverage
 from cpm_core.model.equations import (
-    MIN_SCALE_STEPS,
     STILL_DISTANCE,
     damping_coefficient,
     equilibrium_epsilon,
@@ -193,6 +192,9 @@ _QUIET_TO_RESEED = 2
 
 _QUIET_TO_END = 4
 """Consecutive quiet steps that end the run."""
+
+MIN_SCALE_STEPS = 400
+"""Number of steps that every scale may take, however small the volume."""
 
 _MAX_STEPS_PER_UNIT = 2.0
 """Greatest number of steps of a scale for each unit of the longest side."""

@@ -53,7 +53,8 @@ def drop_beyond(graph: Graph, area: Mask, particles: Array, distance: float) -> 
     away, _ = scipy.spatial.cKDTree(particles).query(graph.points[beyond]) if len(particles) else (np.inf, None)
     gone = np.zeros(len(graph.points), bool)
     gone[beyond] = away > distance
-    graph.remove_edges(graph.edges()[gone[graph.edges()].any(axis=1)])
+    edges = graph.edges()
+    graph.remove_edges(edges[gone[edges].any(axis=1)])
 
 
 def rate_edges(graph: Graph, measure: Callable[[Array], Array]) -> tuple[Index, Array]:

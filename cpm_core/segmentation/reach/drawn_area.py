@@ -36,6 +36,15 @@ _MIN_HULL_SHARE = 0.8
 """Share of a part between a row of particles and the border of the image that lies in the hull of an enclosed one."""
 
 
+_CLICK_RADIUS = 4.0
+"""Radius of the area that a click covers [px]: on an edge, it lies in part on both sides."""
+
+
+def clicked_area(points: Array, shape: Extent) -> Mask:
+    """Return the pixels of an image of this shape around each of a few clicks, shape (N, 2) [px]."""
+    return np.asarray(scipy.ndimage.distance_transform_edt(~_mark_particles(points, shape)[0]) <= _CLICK_RADIUS)
+
+
 def drawn_area(points: Array, shape: Extent) -> Mask:
     """Return the pixels of an image of this shape that a start covers.
 

@@ -29,7 +29,7 @@ _SAME_AREA = 0.05
 
 
 @record
-class LocalArea:
+class StartArea:
     """Area of a start in an image.
 
     Attributes
@@ -53,7 +53,7 @@ class LocalFields:
     def __init__(self, field_of: Callable[[Parameters, int], ScaleField], regions: Regions | None) -> None:
         self._field_of = field_of
         self._regions = regions
-        self._known: tuple[ScaleField, Array, LocalArea | None] | None = None
+        self._known: tuple[ScaleField, Array, StartArea | None] | None = None
         self._limited, self._part = lru_cache(_KEPT_LOCAL_FIELDS)(_limit), lru_cache(_KEPT_LOCAL_FIELDS)(_crop_field)
         self._lock = Lock()
 
@@ -64,7 +64,7 @@ class LocalFields:
             field = self._limited(field, area, parameters.weakest_edge, scale)
         return field if window is None else self._part(field, *((side.start, side.stop) for side in window))
 
-    def area_of(self, start: Array, parameters: Parameters) -> LocalArea | None:
+    def area_of(self, start: Array, parameters: Parameters) -> StartArea | None:
         """Return the area of a start, shape (N, 2) [px of the image]; None where it does not limit a run."""
         if parameters.reach >= UNLIMITED_REACH:
             return None
@@ -74,22 +74,23 @@ class LocalFields:
                 self._known = field, start, self._find_area(field, start)
             return self._known[2]
 
-    def _find_area(self, field: ScaleField, start: Array) -> LocalArea | None:
+    def _find_area(self, field: ScaleField, start: Array) -> StartArea | None:
         """Find the area of a start; in a large image in windows, until a larger one has the same."""
         size, found = 0, None
         for part in _parts_around(field, start):
             before = size
             found = find_start_area(part.values.astype(float), start - part.corner, self._closed_pixels(part))
-            size = 0 if found is None else int(np.count_nonzero(found.inside))
+            size = 0 if found is None else int(np.count_nonzero(found[0]))
             if abs(size - before) < _SAME_AREA * size:
                 break
         if found is None:
             return None
-        along = found.boundary & _find_ridge(part)
+        area, boundary = found
+        along = boundary & _find_ridge(part)
         strength = float(np.median(part.edge_map[along])) if along.any() else 0.0
         inside = np.zeros(field.shape, bool)
-        inside[part.window] = found.inside
-        return LocalArea(inside, strength / max(field.strongest, 1e-300))
+        inside[part.window] = area
+        return StartArea(inside, strength / max(field.strongest, 1e-300))
 
     def _closed_pixels(self, field: ScaleField) -> Mask:
         """Return the pixels where no particle goes, in the window of the image that a field covers."""
@@ -134,7 +135,7 @@ def _crop_field(field: ScaleField, *sides: tuple[int, int]) -> ScaleField:
     return field.crop(tuple(slice(*side) for side in sides))
 
 
-def _limit(field: ScaleField, area: LocalArea, weakest_edge: float, scale: int) -> ScaleField:
+def _limit(field: ScaleField, area: StartArea, weakest_edge: float, scale: int) -> ScaleField:
     """Limit the field of a scale to the area of a start, and to edges not much weaker than those around it."""
     inside = area.inside
     if scale:

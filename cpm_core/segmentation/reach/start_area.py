@@ -10,16 +10,19 @@ The area depends on the start and the gray levels of the field alone, on no para
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 import scipy
+import skimage
 
 from cpm_core.field.edge_map import smoothed_gradient, vector_magnitudes
 from cpm_core.numerics.grids import Labels
-from cpm_core.numerics.types import Array, Extent, Mask, record
+from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.segmentation.reach.drawn_area import (
     MIN_DRAWN_PLACES,
+    clicked_area,
     drawn_area,
     hollow_part,
     is_everywhere,
@@ -54,9 +57,6 @@ _MAX_FLOODED_PIXELS = 400_000
 _BOUNDARY_WIDTH = 1.0
 """Distance from the boundary up to which an area includes the edge that makes it, beyond the smoothing [px]."""
 
-_CLICK_RADIUS = 4.0
-"""Radius of the area that a click covers [px]: on an edge, it lies in part on both sides."""
-
 _MIN_OBJECT_SHARE = 0.15
 """Least share of the area of a start that an object in it has."""
 
@@ -73,22 +73,6 @@ _MIN_LINE_DISTANCE = 1.5
 """Least such distance [px]."""
 
 
-@record
-class StartArea:
-    """The area of a start in an image, or in a window of it.
-
-    Attributes
-    ----------
-    inside : ndarray of bool, shape (H, W)
-        Its pixels, with the edges that bound it.
-    boundary : ndarray of bool, shape (H, W)
-        The pixels along those edges.
-    """
-
-    inside: Mask
-    boundary: Mask
-
-
 class _Ground(NamedTuple):
     """Where areas are flooded: image, edge strength and shut pixels, shape (h, w), on a grid of `stride` [px]."""
 
@@ -98,7 +82,7 @@ class _Ground(NamedTuple):
     stride: int
 
 
-def find_start_area(values: Array, start: Array, closed: Mask) -> StartArea | None:
+def find_start_area(values: Array, start: Array, closed: Mask) -> tuple[Mask, Mask] | None:
     """Find the area of a start; None for one from everywhere, or in the open, whose area is the whole image.
 
     Parameters
@@ -109,10 +93,15 @@ def find_start_area(values: Array, start: Array, closed: Mask) -> StartArea | No
         Seeds [px].
     closed : ndarray of bool, shape (H, W)
         Where no particle goes: outside the regions of interest, and on barriers.
+
+    Returns
+    -------
+    inside, boundary : ndarray of bool, shape (H, W)
+        Pixels of the area with the edges that bound it, and those along these edges.
     """
     if not len(start) or is_everywhere(start, values.shape):
         return None
-    drawn = _cover_clicks(start, values.shape) if len(start) < MIN_DRAWN_PLACES else drawn_area(start, values.shape)
+    drawn = (clicked_area if len(start) < MIN_DRAWN_PLACES else drawn_area)(start, values.shape)
     hollow = hollow_part(start, drawn)
     if np.count_nonzero(drawn & ~hollow) > _MAX_COVERED_SHARE * drawn.size:
         return None
@@ -128,18 +117,11 @@ def find_start_area(values: Array, start: Array, closed: Mask) -> StartArea | No
     sides = zip(values.shape, inside.shape, strict=True)
     half = ground.stride // 2
     inside = inside[np.ix_(*(np.minimum((np.arange(n) + half) // ground.stride, m - 1) for n, m in sides))]
-    border = mark_borders(inside.astype(np.int32)) & ~closed
+    border = _find_borders(inside) & ~closed
     if not border.any():
         return None
     boundary = scipy.ndimage.distance_transform_edt(~border) <= _BOUNDARY_WIDTH + sigma
-    return StartArea(inside | boundary, boundary)
-
-
-def _cover_clicks(start: Array, shape: Extent) -> Mask:
-    """Return the pixels around each of a few clicks."""
-    on = np.zeros(shape, bool)
-    on[tuple(np.clip(np.rint(start).astype(int), 0, np.array(shape) - 1).T)] = True
-    return np.asarray(scipy.ndimage.distance_transform_edt(~on) <= _CLICK_RADIUS)
+    return inside | boundary, boundary
 
 
 def object_enclosed_by(values: Array, places: Array, closed: Mask) -> Mask | None:
@@ -227,7 +209,7 @@ def _share_at_line(piece: Mask, inner: Mask) -> float:
 
 def _usual_strength(strength: Array, mask: Mask, rim: Mask) -> float:
     """Return the median edge strength along the boundary of a mask, except at shut pixels; 0 where there is none."""
-    along = strength[mark_borders(mask.astype(np.int32)) & ~rim]
+    along = strength[_find_borders(mask) & ~rim]
     return float(np.median(along)) if along.size else 0.0
 
 
@@ -250,12 +232,7 @@ def _border_frame(shape: Extent, sigma: float) -> Mask:
     return frame
 
 
-def mark_borders(labels: Labels) -> Mask:
-    """Return the pixels, shape (H, W), next to one of another label, not counting the image border."""
-    beside = np.zeros(labels.shape, bool)
-    for axis in range(2):
-        line, out = np.moveaxis(labels, axis, 0), np.moveaxis(beside, axis, 0)
-        other = line[1:] != line[:-1]
-        out[1:] |= other
-        out[:-1] |= other
-    return beside
+def _find_borders(mask: Mask) -> Mask:
+    """Return the pixels on both sides of the border of a mask, not counting the image border."""
+    find: Callable[[Mask], Mask] = skimage.segmentation.find_boundaries
+    return find(mask)

@@ -120,16 +120,19 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_it_points_where_the_exact_field_points(name):
-    """Half of the pixels within 0.3 degrees and 95 % within 3; seen: 0.13 and 1.4."""
-    f = edge_map(SCENES[name], 1.0)
-    exact, published = electric_field(f), electric_field(f, method="pppm")
+def assert_alike(exact, published):
     angle = directions_apart(exact, published)
     assert np.median(angle) < 0.3
     assert np.quantile(angle, 0.95) < 3.0
     error = published - exact
-    assert np.sqrt((error**2).sum() / (exact**2).sum()) < 0.02  # seen: 0.009
+    assert np.sqrt((error**2).sum() / (exact**2).sum()) < 0.02  # seen: 0.009 and 0.010
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_it_points_where_the_exact_field_points(name):
+    """Half of the pixels within 0.3 degrees and 95 % within 3; seen: 0.13 and 1.4."""
+    f = edge_map(SCENES[name], 1.0)
+    assert_alike(electric_field(f), electric_field(f, method="pppm"))
 
 
 def two_balls():
@@ -141,12 +144,7 @@ def two_balls():
 def test_it_points_in_a_volume_where_the_exact_field_of_the_inverse_square_points(noise):
     """Half of the voxels within 0.3 degrees and 95 % within 3; seen: 0.14 and 0.4."""
     f = edge_map(two_balls() + np.random.default_rng(1).normal(0.0, 1.0, (44, 40, 42)) * noise, 1.0)
-    exact, published = electric_field(f, exponent=2.0), electric_field(f, method="pppm")
-    angle = directions_apart(exact, published)
-    assert np.median(angle) < 0.3
-    assert np.quantile(angle, 0.95) < 3.0
-    error = published - exact
-    assert np.sqrt((error**2).sum() / (exact**2).sum()) < 0.02  # seen: 0.010
+    assert_alike(electric_field(f, exponent=2.0), electric_field(f, method="pppm"))
 
 
 def test_what_it_cannot_do_is_refused():

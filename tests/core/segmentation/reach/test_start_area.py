@@ -35,7 +35,7 @@ TWO = disk(LEFT) + disk(RIGHT)
 
 def area_of(values, start, closed=None):
     found = find_start_area(values, start, np.zeros(values.shape, bool) if closed is None else closed)
-    return None if found is None else found.inside
+    return None if found is None else found[0]
 
 
 def bounds(area, *objects):
