@@ -6,9 +6,8 @@ In a volume the first step finds the inside, the second its center lines, and th
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import field, replace
-from typing import ClassVar, Self, cast
+from typing import Any, ClassVar, Self, cast
 
 import numpy as np
 import scipy
@@ -31,7 +30,7 @@ from cpm_core.medial_axis.structure import DARK_POLARITY, Structure, find_axis, 
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, record
+from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, copy_with, record
 from cpm_core.parameters import CHARGE_PARAMETERS, PRESETS, START_PARAMETERS, Parameters, find_invalidating
 from cpm_core.parameters.formatting import format_repr, format_size, quote_value
 from cpm_core.parameters.provenance import Provenance, select_parameters
@@ -193,9 +192,10 @@ class SkeletonMethod(ImageFields):
 
     def for_objects(self, objects: Contours | Sequence[PackedBody]) -> Self:
         """Return the method for closed outlines, or bodies in a volume; without any for what it finds itself."""
-        other = copy(self)
-        other._within = tuple(objects)
-        return other
+        return copy_with(self, _within=tuple(objects))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _make_method, (self.image, self._latest, self.regions, self._within, self._outside)
 
     def start(self, seeds: ArrayLike = ()) -> SkeletonState:
         """Return the first state of a run; seeds, of any shape, have no effect."""
@@ -326,6 +326,13 @@ class SkeletonMethod(ImageFields):
 
     def __repr__(self) -> str:
         return format_repr("SkeletonMethod", self.image.source, format_size(self.image.shape, ""))
+
+
+def _make_method(
+    image: Image, parameters: Parameters, regions: AnyRegions | None, objects: tuple[Any, ...], outside: bool
+) -> SkeletonMethod:
+    """Make the method of an image for some objects, or for what it finds itself."""
+    return SkeletonMethod(image, parameters, regions, outside=outside).for_objects(objects)
 
 
 def _plane_regions(regions: AnyRegions | None) -> Regions | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from copy import copy
+from dataclasses import replace
 from functools import lru_cache, partial
 from threading import RLock
 from typing import Any, Self
@@ -30,7 +30,7 @@ from cpm_core.image.image import Image, as_image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.parallel import run_in_parallel
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, copy_with
 from cpm_core.parameters import Parameters
 
 _MIN_BYTES_PER_PIXEL = {2: 80.0, 3: 12.0}
@@ -127,7 +127,7 @@ class ImageFields:
         if regions is not None and others:
             regions.check_shape(self.image.shape)
         same = (regions.interest if regions else ()) == (self.regions.interest if self.regions else ())
-        other = copy(self)
+        other = copy_with(self)
         other._set_regions(regions, self._free if same else None)
         if others:
             other._check_edges()
@@ -180,6 +180,10 @@ class ImageFields:
     def _charges_at_scale(self, charges: Sequence[PlacedCharge], scale: int) -> Array:
         """Return the position of each charge at a scale, and its strength; shape (K, D + 1)."""
         return charges_at_scale(check_charges(charges, self.image.ndim), scale, self.image.shape) * (*self._pitch, 1.0)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # the fields, of a hundred bytes a pixel, are computed again
+        return type(self), (self.image, replace(self._latest, scales=self.scales), self.regions, self._measured)
 
     def _check_edges(self) -> None:
         if not self.scale_field(self._latest).edge_map.any():

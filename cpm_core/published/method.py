@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import ClassVar, Self
+from functools import lru_cache, partial
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,7 +32,7 @@ from cpm_core.model import EPSILON_BOUND, interventions
 from cpm_core.model.measures import Forces, state_metrics
 from cpm_core.model.starts import check_seeds, is_allowed, is_inside_image
 from cpm_core.model.state import Particles, State
-from cpm_core.numerics.types import Array, Arrays, Texts
+from cpm_core.numerics.types import Array, Arrays, Texts, copy_with
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 from cpm_core.parameters.provenance import select_parameters
@@ -142,6 +141,7 @@ class Published:
         check_scales(self.scales, self.image.shape)
         if regions is not None:
             regions.check_shape(self.image.shape)
+        self._choices = {"field": field, "coulomb": coulomb, "lorentz": lorentz, "skeleton": skeleton}
         self._field, self._skeleton = FIELDS[field], skeleton
         self._normalize, self._normalize_lorentz = NORMALIZATIONS[coulomb], NORMALIZATIONS[lorentz]
         self._pyramid = lru_cache(1)(lambda channel: build_pyramid(self.image.gray_levels(channel), self.scales))
@@ -160,9 +160,10 @@ class Published:
         """Return the method with other regions."""
         if regions is not None:
             regions.check_shape(self.image.shape)
-        other = copy(self)
-        other.regions = regions
-        return other
+        return copy_with(self, regions=regions)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), **self._choices), (self.image, Parameters(scales=self.scales), self.regions)
 
     def start(self, seeds: ArrayLike) -> PublishedState:
         """Return the first state of a run from points, shape (N, D) [px], at the coarsest scale."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, cast
 
@@ -19,7 +18,7 @@ from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.state import State
 from cpm_core.numerics.real_numbers import check_finite_number
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, record
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.results.result import Result
@@ -33,7 +32,7 @@ DEFAULT_METHOD = "cpm"
 """The method that this program uses unless another one is asked for."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class RunState(drawing.Pictured):
     """State of a run: its particles, and on demand its contours.
 
