@@ -71,10 +71,6 @@ Positions are (row, col) in pixels, pixel centers at integers. *Idle* counts ste
 `ScaleField` holds the fields of one scale.
 """
 
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Any
-
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.faces import Face
@@ -110,11 +106,13 @@ from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.methods import (
     CONTOUR_METHODS,
+    METHODS,
     ContourMethod,
     ContourState,
     RunReport,
     Start,
     iterate_method,
+    register_method,
     report_run,
     run_method,
 )
@@ -148,9 +146,6 @@ from cpm_core.segmentation.method import Method
 from cpm_core.segmentation.select import partition, select, select_all
 
 __version__ = VERSION
-
-METHODS: Mapping[str, type[Method[Any]] | ContourMethod[Any]] = MappingProxyType({**CONTOUR_METHODS, **RUN_METHODS})
-"""All methods by name: classes that run step by step, each a `Method`, and the classical ones for comparison."""
 
 __all__ = [
     "CONTOUR_METHODS",
@@ -225,6 +220,7 @@ __all__ = [
     "partition",
     "reconstruct_curve",
     "reconstruct_surface",
+    "register_method",
     "report_run",
     "run_method",
     "seeds_at_centers",

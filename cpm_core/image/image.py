@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
 from dataclasses import InitVar, replace
 from functools import cached_property
 from typing import Any
@@ -365,6 +366,8 @@ def as_plane(values: ArrayLike | Image) -> Image:
 
 def as_image(values: ArrayLike | Image) -> Image:
     """Convert values, shape (H, W) or (P, H, W), to an image or a volume."""
+    if isinstance(values, str | os.PathLike):
+        raise ValueError(f"{quote_value(os.fspath(values))} is a path, and no image: open it by load_image first.")
     return values if isinstance(values, Image) else Image(values)  # type: ignore[arg-type]
 
 

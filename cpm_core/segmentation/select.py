@@ -15,7 +15,7 @@ from cpm_core.objects.all_objects import find_objects_everywhere, find_similar_o
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import VolumePartition
-from cpm_core.parameters import Parameters
+from cpm_core.parameters import Parameters, choose_parameters
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 
@@ -23,7 +23,9 @@ EVERYWHERE_PARAMETERS = Parameters(smoothing=1.5)
 """Parameters of the run from everywhere that finds the contours of an image."""
 
 
-def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Partition | VolumePartition:
+def partition(
+    values: ArrayLike | Image | Result, parameters: Parameters | str | None = None
+) -> Partition | VolumePartition:
     """Prepare an image with its contours, or a volume with the bodies of its surface, to select objects from.
 
     Parameters
@@ -31,7 +33,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     values : array_like, shape (H, W) or (P, H, W), or Image, or Result
         An image, in which a run from everywhere finds the contours; a volume, which needs no run; or the result of a
         run.
-    params : Parameters, optional
+    parameters : Parameters or str, optional
         Parameters of the run on an image.
 
     Returns
@@ -53,12 +55,13 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     if isinstance(values, Result):
         return Partition.from_result(values) if values.surface is None else VolumePartition.from_result(values)
     image = as_image(values)
-    return VolumePartition(image) if image.ndim == 3 else _partition_from_run(image, params)
+    return VolumePartition(image) if image.ndim == 3 else _partition_from_run(image, parameters)
 
 
-def _partition_from_run(image: Image, params: Parameters | None = None) -> Partition:
+def _partition_from_run(image: Image, parameters: Parameters | str | None = None) -> Partition:
     """Make the partition of an image with the contours that a run from everywhere finds in it."""
-    return Partition.from_result(segment(image, uniform_grid(image.shape), params or EVERYWHERE_PARAMETERS))
+    chosen = choose_parameters(parameters, EVERYWHERE_PARAMETERS)
+    return Partition.from_result(segment(image, uniform_grid(image.shape), chosen))
 
 
 def select(

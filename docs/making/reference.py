@@ -43,7 +43,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "methods": (
         "Classical methods",
         ("CONTOUR_METHODS", "ContourMethod", "ContourState", "Start", "run_method", "iterate_method", "report_run",
-         "RunReport"),
+         "RunReport", "register_method"),
     ),
 }  # fmt: skip
 """File -> title and public names."""

@@ -207,7 +207,6 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
         "seeds": _POINTS,
         "targets": (None, [0, 1], np.array([2]), [-1], [99], []),
         "parameters": _PARAMETERS,
-        "params": _PARAMETERS,
         "max_steps": (1, 2, 5, 0, -1, np.int64(3)),
         "regions": (
             None,
@@ -298,6 +297,7 @@ _SKIPPED = {
     "PARAMETERS",
     "PRESETS",
     "Method",
+    "register_method",
     "Comparison",
     "Energies",
     "Forces",
@@ -345,7 +345,6 @@ _OF_THE_LIBRARY = {
     "selections",
     "image",
     "parameters",
-    "params",
     "regions",
     "charges",
     "examples",
