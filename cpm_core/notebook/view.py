@@ -101,7 +101,7 @@ class NotebookView(drawing.Pictured):
     >>> bool(view.selection.mask[30, 46])
     False
     >>> view.remove()
-    >>> view.selection, int(cpm.objects_result(view.objects, view.partition.image).labels.max())
+    >>> view.selection, int(cpm.objects_result(view.objects).labels.max())
     (None, 1)
     >>> axes = view.plot()
     >>> slices = cpm.notebook_view(cpm.example("ball"))

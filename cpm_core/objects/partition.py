@@ -494,7 +494,7 @@ class Partition(drawing.Pictured):
         them.
         """
         if not mask.any():
-            return Selection(mask, (), (), 0.0, inside, outside, remark)
+            return Selection(mask, (), (), 0.0, inside, outside, remark, image=self.image)
         found = self.outline_mask(mask)
         if features is None:
             places = len(inside) + len(outside)
@@ -506,7 +506,8 @@ class Partition(drawing.Pictured):
         features = features._replace(unambiguous=unambiguous)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
-        return Selection(mask, contours, gaps, estimate_confidence(features), inside, outside, remark, features)
+        confidence = estimate_confidence(features)
+        return Selection(mask, contours, gaps, confidence, inside, outside, remark, features, self.image)
 
     def outline_mask(self, mask: Mask) -> tuple[ObjectOutline, ...]:
         """Outline a set of pixels, shape (H, W), along the contours next to it."""

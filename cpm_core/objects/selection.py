@@ -6,6 +6,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
+from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Arrays, Mask, record
 from cpm_core.objects.confidence import ConfidenceFeatures
 from cpm_core.parameters.formatting import format_count, format_repr
@@ -31,6 +32,8 @@ class Selection(drawing.Pictured):
         One sentence on what was unusual about the points, or empty.
     features : ConfidenceFeatures or None
         Features that the confidence was estimated from.
+    image : Image or None
+        The image that it was selected in; None where that is not known.
 
     Examples
     --------
@@ -52,6 +55,7 @@ class Selection(drawing.Pictured):
     outside: Array
     remark: str = ""
     features: ConfidenceFeatures | None = None
+    image: Image | None = None
 
     @property
     def has_boundary(self) -> bool:

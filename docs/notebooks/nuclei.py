@@ -47,7 +47,7 @@ view
 # What has been clicked is in Python.
 
 # %%
-nuclei = cpm.objects_result(view.objects, image)
+nuclei = cpm.objects_result(view.objects)
 print(nuclei.table(in_units=True)["area"].round())
 
 # %% [markdown]

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Generator, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import skimage
 
 import cpm_core as cpm
-from cpm_core.contours import join_surfaces
 from cpm_core.contours.surface import surface_from_labels
 from cpm_core.numerics import Array, Index
 from cpm_core.objects import partition_without_run
-from cpm_core.results import boundaries_result
 from cpm_core.shapes import starts_from_contours
 
 WorkProgress = tuple[str, Array | None]
@@ -73,11 +70,7 @@ def find_objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequ
             found.append(one)
     if not found:
         raise ValueError("No object was found there: move the points, or draw a box around an object.")
-    if image.ndim == 2:
-        return cpm.objects_result(found, image)
-    surface = join_surfaces([(at, one.surface) for at, one in enumerate(found, 1)], image.spacing, image.unit)
-    empty = boundaries_result((), (), image.shape, image.spacing, image.unit, image.source)
-    return replace(empty, surface=surface)
+    return cpm.objects_result(found, image)
 
 
 def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, outside: Array) -> Work:
