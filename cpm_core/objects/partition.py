@@ -73,6 +73,12 @@ _MIN_DRAWN_SHARE = 0.1
 _NO_OBJECT_REMARK = "No object was found around these points: only their own pixels are selected."
 """Remark on a selection that holds only the pixels of its points."""
 
+_LEAST_CONFIDENCE = 0.05
+"""Confidence below which an answer has a remark: of twenty such answers not one is an object."""
+
+_UNLIKELY_REMARK = "There may be no object here: the confidence is almost zero."
+"""Remark on a selection of almost no confidence, as in the background."""
+
 
 class Candidate(NamedTuple):
     """A candidate for an object: pixels, shape (H, W), confidence features if known, and whether it is unambiguous."""
@@ -328,9 +334,11 @@ class Partition(drawing.Pictured):
         return found._replace(mask=self._keep_connected(found.mask, prompt))
 
     def _build_answer(self, found: Candidate, inside: Array, outside: Array = NO_POINTS, remark: str = "") -> Selection:
-        """Build the selection of a candidate, with a remark if it holds only the pixels of the points."""
+        """Build the selection of a candidate, with a remark if hardly anything says that it is an object."""
         answer = self.build_selection(found.mask, inside, outside, remark, found.features, found.unambiguous)
-        return replace(answer, remark=_NO_OBJECT_REMARK) if answer.has_only_points and not remark else answer
+        if not remark and answer.has_only_points:
+            return replace(answer, remark=_NO_OBJECT_REMARK)
+        return answer if remark or answer.confidence >= _LEAST_CONFIDENCE else replace(answer, remark=_UNLIKELY_REMARK)
 
     def _select_others(self, request: _Request, first: Mask, answers: Iterator[Candidate]) -> Iterator[Selection]:
         """Select the other objects that a request may mean besides the first one, shape (H, W)."""

@@ -29,7 +29,7 @@ class Selection(drawing.Pictured):
     inside, outside : ndarray, shape (M, 2) and (K, 2)
         The positive and negative points of the prompt [px].
     remark : str
-        One sentence on what was unusual about the points, or empty.
+        One sentence on what was unusual about the points, or on an answer of almost no confidence; else empty.
     features : ConfidenceFeatures or None
         Features that the confidence was estimated from.
     image : Image or None

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.model.starts import uniform_grid
-from cpm_core.numerics.real_numbers import as_positions
+from cpm_core.numerics.real_numbers import as_positions, check_finite_number
 from cpm_core.objects.all_objects import find_objects_everywhere, find_similar_objects
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
@@ -104,7 +104,13 @@ def select(
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
 
-def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] = ()) -> tuple[Selection, ...]:
+def select_all(
+    values: ArrayLike | Image | Partition,
+    like: Sequence[Selection] = (),
+    *,
+    parameters: Parameters | str | None = None,
+    min_confidence: float = 0.0,
+) -> tuple[Selection, ...]:
     """Select all objects of an image, or all that are similar to some.
 
     Parameters
@@ -114,6 +120,10 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
     like : sequence of Selection
         Some of them. Without any, particles find the contours of the whole image, unless it is a partition, and the
         network evaluates the parts between them: likely and unambiguous objects are selected.
+    parameters : Parameters or str, optional
+        Parameters of that run.
+    min_confidence : float
+        Least `Selection.confidence` of an object, from 0 to 1; given ones stay.
 
     Returns
     -------
@@ -126,15 +136,16 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
     >>> len(cpm.select_all(image, [cpm.select(image, [(32, 18)])])), len(cpm.select_all(image))
     (2, 2)
     """
+    check_finite_number("min_confidence", min_confidence, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
     if not like:
-        cut = values if isinstance(values, Partition) else _partition_from_run(as_plane(values))
-        return tuple(find_objects_everywhere(cut))
+        cut = values if isinstance(values, Partition) else _partition_from_run(as_plane(values), parameters)
+        return tuple(one for one in find_objects_everywhere(cut) if one.confidence >= min_confidence)
     cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
     found = list(like)
     taken = np.any([one.mask for one in like], axis=0)
     for one in like:
         for other in find_similar_objects(cut, one):
-            if not (other.mask & taken).any():
+            if other.confidence >= min_confidence and not (other.mask & taken).any():
                 found.append(other)
                 taken |= other.mask
     return tuple(found)
