@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour, sample_contours
@@ -153,7 +154,9 @@ class MethodStep:
         return format_repr("MethodStep", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
 
 
-def iterate_method(method: AnyMethod | str, image: Image, start: Start, settings: Any = None) -> Iterator[MethodStep]:
+def iterate_method(
+    method: AnyMethod | str, values: ArrayLike | Image, start: Start, settings: Any = None
+) -> Iterator[MethodStep]:
     """Run a method, or the one of `CONTOUR_METHODS` with a name, step by step; by default with its own settings.
 
     Examples
@@ -176,7 +179,7 @@ def iterate_method(method: AnyMethod | str, image: Image, start: Start, settings
         raise ValueError(
             f"the settings are {quote_value(settings)} but must be {method.settings.__name__}, those of {method.title}."
         )
-    image = as_image(image)
+    image = as_image(values)
     if image.ndim == 3:
         raise ValueError(f"{image.source} is a volume, but methods are compared in images: take a slice of it.")
     began, seconds = time.perf_counter(), 0.0
@@ -187,7 +190,7 @@ def iterate_method(method: AnyMethod | str, image: Image, start: Start, settings
 
 
 def run_method(
-    method: AnyMethod | str, image: Image, start: Start, settings: Any = None, max_steps: int | None = None
+    method: AnyMethod | str, values: ArrayLike | Image, start: Start, settings: Any = None, max_steps: int | None = None
 ) -> MethodStep:
     """Run a method, or the one with a name, to its end or to `max_steps`; its seconds include those for the contours.
 
@@ -202,7 +205,7 @@ def run_method(
         check_finite_number(
             "max_steps", max_steps, lambda count: count >= 0 and count == int(count), "at least 0, and whole"
         )
-    for last in iterate_method(method, image, start, settings):
+    for last in iterate_method(method, values, start, settings):
         if last.state.step == max_steps:
             break
     began = time.perf_counter()

@@ -13,7 +13,8 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import max_scales
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.types import Extent
+from cpm_core.model.state import State
+from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.pages.page import Page, strip_image
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters, choose_parameters
@@ -36,6 +37,7 @@ def follow_pages(
     max_steps: int | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
+    progress: Callable[[State], object] | None = None,
 ) -> Iterator[Page]:
     """Find the contours on each page of a stack, and follow objects from page to page.
 
@@ -51,7 +53,7 @@ def follow_pages(
         Which pages, from 1, in the order in which they are followed; all by default.
     fresh : bool
         Whether each page starts from `seeds` rather than from the contours of the last page that has any.
-    max_steps, regions, charges
+    max_steps, regions, charges, progress
         As for `segment`, on every page.
 
     Yields
@@ -92,7 +94,8 @@ def follow_pages(
                 if follower.next_starts and not fresh:
                     start = collect_seeds(follower.next_starts)
                 chosen = limit_scales(given, image.shape)
-                found = segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
+                limits: JsonDict = {"max_steps": max_steps, "regions": regions, "charges": charges}
+                found = segment(image, start, chosen, progress=progress, **limits)
             except (ValueError, MemoryError) as error:
                 yield Page(number, None, error=describe_error(error))
             else:

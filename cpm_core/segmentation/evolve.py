@@ -236,6 +236,7 @@ def evolve(
     values: ArrayLike | Image,
     seeds: ArrayLike,
     parameters: Parameters | str | None = None,
+    *,
     max_steps: int | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
@@ -290,11 +291,12 @@ def segment(
     values: ArrayLike | Image,
     seeds: ArrayLike,
     parameters: Parameters | str | None = None,
+    *,
     max_steps: int | None = None,
-    progress: Callable[[State], object] | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
     method: str | Callable[..., Method[Any]] = DEFAULT_METHOD,
+    progress: Callable[[State], object] | None = None,
 ) -> Result:
     """Find the contours of objects by particles that flow from seeds to edges and along them, until equilibrium.
 
@@ -308,8 +310,6 @@ def segment(
         Values, or the name of one of `PRESETS`; the paper's defaults unless given.
     max_steps : int, optional
         Greatest number of steps.
-    progress : callable, optional
-        Called with every `State`.
     regions : Regions or VolumeRegions, optional
         Regions of interest, which particles stay in, and barriers, which they do not cross.
     charges : sequence of PlacedCharge
@@ -317,6 +317,8 @@ def segment(
     method : {"cpm", "published"} or class
         The model with what this program adds, or as published, which may go on until `max_steps`; or a class like that
         of `Method`, made with `values`, `parameters` and `regions`.
+    progress : callable, optional
+        Called with the `State` after every step; it may raise to stop.
 
     Returns
     -------
@@ -338,7 +340,7 @@ def segment(
     >>> cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), cpm.Parameters(beta=0.6), max_steps=3).stop_reason
     'stopped after 3 steps, as requested'
     """
-    run = evolve(values, seeds, parameters, max_steps, regions, charges, method)
+    run = evolve(values, seeds, parameters, max_steps=max_steps, regions=regions, charges=charges, method=method)
     next(run)
     for moment in run:
         if progress is not None:

@@ -68,6 +68,7 @@ def select(
     values: ArrayLike | Image,
     inside: ArrayLike = (),
     outside: ArrayLike = (),
+    *,
     start: ArrayLike = (),
     box: ArrayLike = (),
     stroke: ArrayLike = (),
