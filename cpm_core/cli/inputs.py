@@ -10,8 +10,6 @@ from pathlib import Path
 
 from cpm_core.cli.output import print_message, print_notes
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
-from cpm_core.contours.result import Result
-from cpm_core.contours.review import apply_marks, restore_kept_contours
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
     CONTOURS_READABLE,
@@ -33,6 +31,8 @@ from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.pages.follow import limit_scales
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value
+from cpm_core.results.result import Result
+from cpm_core.results.review import apply_marks, restore_kept_contours
 from cpm_core.segmentation.evolve import DEFAULT_METHOD, SEEDED_METHODS, segment, with_hand_edits
 from cpm_core.shapes import Shape, Start
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds

@@ -14,7 +14,6 @@ from typing import Literal
 import numpy as np
 
 from cpm_core.contours.contour import Contour, Contours, build_path_tree, check_color
-from cpm_core.contours.result import Result, keep_contours
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Line, Position, frozen, record
 
@@ -55,7 +54,7 @@ class Mark:
     anchor : tuple of float
         Position (row, col) [px].
     verdict : {"", "kept", "rejected"}
-        Rejected contours are not exported, kept ones stay (`cpm_core.contours.review`); empty where nothing is decided.
+        Rejected contours are not exported, kept ones stay (`cpm_core.results.review`); empty where nothing is decided.
     name : str
         Name, or empty.
     color : str
@@ -117,28 +116,6 @@ def pair_with_marks(contours: Contours, marks: Sequence[Mark]) -> tuple[Reviewed
     return tuple(found)
 
 
-def apply_marks(result: Result, marks: Sequence[Mark]) -> Result:
-    """Apply marks to a result: leave out rejected contours, and set names and colors.
-
-    Parameters
-    ----------
-    result : Result
-        Outcome of a run.
-    marks : sequence of Mark
-        Marks of its contours.
-
-    Returns
-    -------
-    Result
-        The result itself without marks.
-    """
-    if not marks:
-        return result
-    every = pair_with_marks(result.contours, marks)
-    named = replace(result, contours=tuple(one.contour for one in every))
-    return keep_contours(named, [not one.rejected for one in every])
-
-
 def assign_anchors(contours: Contours, anchors: Sequence[Position]) -> list[int | None]:
     """Assign each anchor (row, col) the index of the nearest contour within `ANCHOR_REACH` [px]; None without one.
 
@@ -186,63 +163,7 @@ def find_anchors(contours: Contours, indices: Sequence[int]) -> list[Position]:
     return found
 
 
-_SAME_EDGE_DISTANCE = 2.0
-"""Distance up to which two contours run along the same edge [px]."""
-
-_SAME_CONTOUR_SHARE = 0.8
-"""Share of a contour that has to run along another one to be it, or a part of it."""
-
-_OVERLAP_SAMPLES = 24
-"""Number of places along a contour that are compared."""
-
-
-def restore_kept_contours(result: Result, marks: Sequence[Mark]) -> Result:
-    """Restore each kept contour that is not in a result, or only in parts, as it was when it was kept.
-
-    A contour is found again when another one runs along most of it. Otherwise the kept one is added,
-    last, and takes the place of the contours that run along it for most of their length.
-
-    Parameters
-    ----------
-    result : Result
-        Outcome of a run.
-    marks : sequence of Mark
-        Marks of contours of this image; only kept ones with an outline count.
-
-    Returns
-    -------
-    Result
-        The result itself when all kept contours are in it.
-    """
-    kept = [mark for mark in marks if mark.verdict == "kept" and mark.outline.points]
-    if not kept:
-        return result
-    lost = []
-    for mark in kept:
-        outline = mark.outline.to_contour(mark.name, mark.color)
-        if not any(_runs_along(outline, contour) for contour in result.contours):
-            lost.append(outline)
-    if not lost:
-        return result
-    rest = [contour for contour in result.contours if not any(_runs_along(contour, one) for one in lost)]
-    taken = {contour.number for contour in rest}
-    for index, contour in enumerate(lost):
-        if contour.number in taken:  # a number of another session
-            lost[index] = replace(contour, number=0)
-        taken.add(contour.number)
-    return replace(result, contours=(*rest, *lost))
-
-
 def capture_outline(contour: Contour) -> KeptOutline:
     """Capture the course of a contour, to restore it later."""
     points = tuple((round(row, 4), round(col, 4)) for row, col in contour.points.tolist())
     return KeptOutline(points, contour.closed, contour.strength, contour.number)
-
-
-def _runs_along(contour: Contour, other: Contour) -> bool:
-    """Return whether a contour runs along another one for most of its length."""
-    low, high = other.box
-    if (contour.box[0] > high + _SAME_EDGE_DISTANCE).any() or (contour.box[1] < low - _SAME_EDGE_DISTANCE).any():
-        return False
-    away = polyline.distances_to_path(other.path, polyline.path_midpoints(contour.path, _OVERLAP_SAMPLES))
-    return bool((away <= _SAME_EDGE_DISTANCE).mean() >= _SAME_CONTOUR_SHARE)

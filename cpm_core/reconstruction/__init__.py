@@ -4,7 +4,6 @@ from cpm_core.reconstruction.by_hand.live_wire import LiveWire as LiveWire
 from cpm_core.reconstruction.by_hand.live_wire import snap_path_to_ridge as snap_path_to_ridge
 from cpm_core.reconstruction.by_hand.live_wire import snap_place_to_ridge as snap_place_to_ridge
 from cpm_core.reconstruction.by_hand.operations import Contact as Contact
-from cpm_core.reconstruction.by_hand.operations import apply_edits_to_result as apply_edits_to_result
 from cpm_core.reconstruction.by_hand.operations import chain_contours as chain_contours
 from cpm_core.reconstruction.by_hand.operations import connect_by_path as connect_by_path
 from cpm_core.reconstruction.by_hand.operations import cut_contour as cut_contour

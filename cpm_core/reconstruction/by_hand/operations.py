@@ -7,20 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import combinations, groupby
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Contours, select_bridges_on
-from cpm_core.contours.hand_edits import HandEdit, apply_hand_edits
+from cpm_core.contours.contour import Contour, Contours
+from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.polygonal_line import PolygonalLine
-from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Integers, Line, Position, record
+from cpm_core.numerics.types import Array, Line, Position, record
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, snap_place_to_ridge
-from cpm_core.reconstruction.curve.hysteresis import measure_contours
 
 _ANCHOR_DISTANCE = 8.0
 """Length along a contour from the end of a piece to the place that identifies the contour later [px]."""
@@ -92,22 +89,6 @@ class Contact:
     def is_on_same_contour(self, other: Contact) -> bool:
         """Return whether another place is on the same contour."""
         return self.line.source is other.line.source
-
-
-def apply_edits_to_result(
-    result: Result, edits: Sequence[HandEdit], scale_field: ScaleField | None
-) -> tuple[Result, Integers]:
-    """Apply edits by hand to a result, without the bridges they have removed; also return the missed edits.
-
-    Contours that have changed are measured in the fields of the image, where these are given.
-    """
-    if not edits:
-        return result, ()
-    contours, missed = apply_hand_edits(result.contours, edits)
-    if scale_field is not None:
-        same = set(map(id, result.contours))
-        contours = tuple(one if id(one) in same else measure_contours([one], scale_field)[0] for one in contours)
-    return replace(result, contours=contours, bridges=select_bridges_on(result.bridges, contours)), missed
 
 
 def connect_by_path(path: Array, begin: Contact | None = None, end: Contact | None = None) -> tuple[HandEdit, ...]:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.review import Mark, capture_outline, find_anchors
-from tests.core.contours.test_review import line, result_of, ring
+from tests.core.results.test_review import line, result_of, ring
 
 pytestmark = pytest.mark.shared_window
 

@@ -9,12 +9,10 @@ from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import apply_hand_edits
-from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, snap_place_to_ridge
 from cpm_core.reconstruction.by_hand.operations import (
     Contact,
-    apply_edits_to_result,
     chain_contours,
     connect_by_path,
     cut_contour,
@@ -22,6 +20,8 @@ from cpm_core.reconstruction.by_hand.operations import (
     live_wire_from,
     pull_contour,
 )
+from cpm_core.results import apply_edits_to_result
+from cpm_core.results.result import Result
 from tests.core.scenes import circle_points, disk
 
 SHAPE, CENTER, RADIUS = (100, 120), (48.3, 60.7), 30.2

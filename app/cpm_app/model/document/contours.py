@@ -8,9 +8,10 @@ from dataclasses import replace
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_core import Contour, Engine, Evolution, Result, State
-from cpm_core.contours import HandEdit, KeptOutline, Mark, Verdict, apply_marks, capture_outline, restore_kept_contours
+from cpm_core.contours import HandEdit, KeptOutline, Mark, Verdict, capture_outline
 from cpm_core.numerics import Position
 from cpm_core.numerics.types import record
+from cpm_core.results import apply_marks, restore_kept_contours
 from cpm_core.shapes import ImageSeeds
 
 HAND_EDIT_NAMES = {

@@ -9,18 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from cpm_core import Result, measure
-from cpm_core.contours import (
-    ANCHOR_REACH,
-    Mark,
-    Measures,
-    assign_anchors,
-    build_path_tree,
-    contour_midpoint,
-    restore_kept_contours,
-)
+from cpm_core.contours import ANCHOR_REACH, Mark, Measures, assign_anchors, build_path_tree, contour_midpoint
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Position
 from cpm_core.numerics.types import Integers, record
+from cpm_core.results import restore_kept_contours
 
 
 @record

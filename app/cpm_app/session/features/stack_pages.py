@@ -42,10 +42,11 @@ from cpm_app.session.tasks.opening import OpenRequest
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
-from cpm_core.contours import apply_marks, compute_centroid
+from cpm_core.contours import compute_centroid
 from cpm_core.formats import ImageFile, describe_shapes, export_stack
 from cpm_core.numerics.types import JsonObject
 from cpm_core.pages import StackResult
+from cpm_core.results import apply_marks
 from cpm_core.shapes import Start, starts_from_contours
 
 _LINK_DELAY = 200

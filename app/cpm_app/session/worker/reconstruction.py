@@ -20,7 +20,7 @@ from cpm_core import Method, Parameters, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.model import ImageFields
 from cpm_core.numerics.types import Integers, record
-from cpm_core.reconstruction import apply_edits_to_result
+from cpm_core.results import apply_edits_to_result
 from cpm_core.segmentation import MethodState
 
 _SHORTEST_PAUSE = 0.15

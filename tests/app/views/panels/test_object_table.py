@@ -16,9 +16,9 @@ from PySide6.QtCore import QCoreApplication, QPoint, QRect, Qt
 from PySide6.QtWidgets import QLineEdit, QMenu
 
 from cpm_core.contours.contour import Contour
-from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.objects.selection import Selection
+from cpm_core.results import boundaries_result
 
 pytestmark = pytest.mark.shared_window
 

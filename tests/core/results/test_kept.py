@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.review import Mark, apply_marks, capture_outline, find_anchors, restore_kept_contours
-from tests.core.contours.test_review import line, result_of, ring
+from cpm_core.contours.review import Mark, capture_outline, find_anchors
+from cpm_core.results.review import apply_marks, restore_kept_contours
+from tests.core.results.test_review import line, result_of, ring
 
 
 def kept(contours: list[Contour], index: int, name: str = "") -> Mark:

@@ -6,8 +6,9 @@ from hypothesis import strategies as st
 
 from cpm_core import Parameters, circle, segment
 from cpm_core.contours.contour import Bridge, Contour
-from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark, apply_marks, assign_anchors, find_anchors, pair_with_marks
+from cpm_core.contours.review import Mark, assign_anchors, find_anchors, pair_with_marks
+from cpm_core.results.result import Result
+from cpm_core.results.review import apply_marks
 
 
 def ring(row: float, col: float, radius: float, count: int = 60, turn: float = 0.0) -> Contour:

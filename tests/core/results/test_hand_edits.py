@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.hand_edits import HandEdit, apply_hand_edits
-from cpm_core.contours.result import Result
-from cpm_core.reconstruction import apply_edits_to_result
+from cpm_core.results import apply_edits_to_result
+from cpm_core.results.result import Result
 
 RADIUS, CENTER = 20.0, 50.0
 CIRCLE = 2.0 * np.pi * RADIUS
