@@ -151,7 +151,7 @@ class Result(drawing.Pictured):
             Columns by name, named as in ``skimage.measure.regionprops`` where they mean the same: ``area``
             without contours inside, ``area_filled`` with them, ``area_convex``, ``perimeter`` including holes,
             ``centroid-0`` (row) and ``centroid-1``, ``bbox-0`` to ``bbox-3`` (least row and column, largest row and
-            column, of the contour itself), ``axis_major_length``, ``axis_minor_length``, ``eccentricity``, ``orientation``,
+            column, of the contour), ``axis_major_length``, ``axis_minor_length``, ``eccentricity``, ``orientation``,
             ``equivalent_diameter_area``, ``solidity``, ``circularity`` (4π area_filled over the square of the outer
             perimeter), and of the gray levels inside ``intensity_mean``, ``intensity_std``, ``intensity_min`` and
             ``intensity_max``. Of a volume: ``volume``, ``equivalent_diameter``, ``centroid``, ``bbox`` and gray levels.
