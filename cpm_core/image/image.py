@@ -272,7 +272,7 @@ class Image(drawing.Pictured):
         """Type of `values`, which the image is for NumPy."""
         return np.dtype(np.float64)
 
-    def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> Numbers:
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Numbers:
         return np.array(self.values, dtype, copy=copy)
 
 
@@ -338,7 +338,7 @@ def _check_gray_levels(source: str, given: Numbers, masked: Mask | None) -> tupl
 def _find_absent(given: Numbers, masked: Mask | None) -> Mask | None:
     r"""Find the pixels without data, shape (\*shape): those that are masked, and NaN; None without any mask or NaN."""
     if masked is not None and masked.ndim > given.ndim:
-        masked = masked.any(axis=-1)
+        masked = np.asarray(masked.any(axis=-1))
     if given.dtype.kind != "f" or not math.isnan(float(given.min())):  # which is NaN if one is
         return masked
     return np.isnan(given) if masked is None else np.isnan(given) | masked

@@ -53,7 +53,9 @@ _known_contour_methods: dict[str, AnyMethod] = {method.name: method for method i
 CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType(_known_contour_methods)
 """All methods that can be compared, by name. A new one is a function with its settings, and a line above."""
 
-METHODS: Mapping[str, type[Method[Any]] | AnyMethod] = MappingProxyType(ChainMap(RUN_METHODS, CONTOUR_METHODS))
+METHODS: Mapping[str, type[Method[Any]] | AnyMethod] = MappingProxyType(
+    ChainMap(RUN_METHODS, CONTOUR_METHODS)  # type: ignore[arg-type] # nothing is written
+)
 """All methods by name: classes that run step by step, each a `Method`, and the classical ones for comparison."""
 
 NewMethod = TypeVar("NewMethod", bound=type[Method[Any]] | AnyMethod)

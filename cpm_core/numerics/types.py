@@ -82,12 +82,12 @@ def copy_with(given: _Given, **changed: Any) -> _Given:
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
 def frozen(kind: type[_Kind]) -> type[_Kind]:
     """Make a frozen dataclass whose instances are equal if their fields are."""
-    kind.__getstate__ = _get_fields  # type: ignore[method-assign]
+    kind.__getstate__ = _get_fields  # type: ignore[assignment]
     return dataclass(frozen=True)(kind)
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
 def record(kind: type[_Kind]) -> type[_Kind]:
     """Make a frozen dataclass whose instances are equal only to themselves, since arrays are not compared."""
-    kind.__getstate__ = _get_fields  # type: ignore[method-assign]
+    kind.__getstate__ = _get_fields  # type: ignore[assignment]
     return dataclass(frozen=True, eq=False)(kind)

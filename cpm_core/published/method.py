@@ -140,7 +140,7 @@ class Published:
         self.scales = choose_parameters(parameters, Parameters()).scales
         check_scales(self.scales, self.image.shape)
         check_regions(regions, self.image.shape)
-        self._choices = {"field": field, "coulomb": coulomb, "lorentz": lorentz, "skeleton": skeleton}
+        self._choices: dict[str, Any] = {"field": field, "coulomb": coulomb, "lorentz": lorentz, "skeleton": skeleton}
         self._field, self._skeleton = FIELDS[field], skeleton
         self._normalize, self._normalize_lorentz = NORMALIZATIONS[coulomb], NORMALIZATIONS[lorentz]
         self._pyramid = lru_cache(1)(lambda channel: build_pyramid(self.image.gray_levels(channel), self.scales))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import cast
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Extent, Sides
+from cpm_core.numerics.types import Array, Extent, Sides
 from cpm_core.objects.outline import OBJECT_SMOOTHING
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import VolumeSelection
@@ -74,15 +74,17 @@ def objects_result(
     if image is None:
         raise ValueError("no image is known for the objects: name it, or select objects of an image.")
     titles = list(names) or [f"object {number}" for number in range(1, len(selections) + 1)]
-    contours: list[Contour] = []
-    bridges: list[Bridge] = []
-    surface = None
+    parts: list[tuple[Label, Any]] = [
+        (Label(number, title), one) for number, (one, title) in enumerate(zip(selections, titles, strict=True), start=1)
+    ]
+    place = (image.shape, image.spacing, image.unit, image.source)
     if image.ndim == 3:
-        surface = _join_bodies(cast("Sequence[VolumeSelection]", selections), titles, image)
+        found = replace(boundaries_result((), (), *place), surface=_join_bodies(parts, image))
     else:
-        for number, selection in enumerate(cast("Sequence[Selection]", selections), start=1):
-            contours += [replace(one, group=number, name=titles[number - 1]) for one in selection.contours]
-        bridges = _measure_gaps(cast("Sequence[Selection]", selections), image, channel)
+        contours = [replace(line, group=to.number, name=to.name) for to, one in parts for line in one.contours]
+        found = boundaries_result(
+            contours, _measure_gaps([gap for _, one in parts for gap in one.gaps], image, channel), *place
+        )
     taken = image.resolve_channel(channel)
     clicks = tuple(
         {"shape": "object", "inside": selection.inside.tolist(), "outside": selection.outside.tolist()}
@@ -91,23 +93,20 @@ def objects_result(
     made = Provenance(
         "objects", {"channel": taken}, shapes=clicks, sha256=image.sha256, of_file=bool(image.file_sha256)
     )
-    place = (image.shape, image.spacing, image.unit, image.source)
-    found = boundaries_result(contours, bridges, *place)
-    return replace(found, surface=surface, image=image, channel=taken, provenance=made)
+    return replace(found, image=image, channel=taken, provenance=made)
 
 
-def _join_bodies(selections: Sequence[VolumeSelection], titles: Sequence[str], image: Image) -> Surface | None:
-    """Join the surfaces of bodies, each with its number and title; None without any body."""
-    bodies = [(number, one.surface) for number, one in enumerate(selections, start=1) if one.has_boundary]
-    if not bodies:
+def _join_bodies(bodies: Sequence[tuple[Label, VolumeSelection]], image: Image) -> Surface | None:
+    """Join the surfaces of bodies, each with its label; None without any surface."""
+    kept = [(label, body.surface) for label, body in bodies if body.has_boundary]
+    if not kept:
         return None
-    labels = tuple(Label(number, titles[number - 1]) for number, _ in bodies)
-    return replace(join_surfaces(bodies, image.spacing, image.unit), labels=labels)
+    joined = join_surfaces([(label.number, surface) for label, surface in kept], image.spacing, image.unit)
+    return replace(joined, labels=tuple(label for label, _ in kept))
 
 
-def _measure_gaps(selections: Sequence[Selection], image: Image, channel: str) -> list[Bridge]:
-    """Measure the gaps of outlines in their image."""
-    gaps = [gap for selection in selections for gap in selection.gaps]
+def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bridge]:
+    """Measure the gaps of outlines, each of shape (K, 2) [px], in their image."""
     if not gaps:
         return []
     strength = edge_map(image.gray_levels(channel), OBJECT_SMOOTHING)

@@ -54,7 +54,7 @@ class UnreadableError(ValueError):
         self.images = images
 
 
-class MissingFileError(UnreadableError, FileNotFoundError):
+class MissingFileError(ValueError, FileNotFoundError):
     """A file does not exist."""
 
 
@@ -97,7 +97,7 @@ def explain_decoding_errors(name: str, fallback: str) -> Iterator[None]:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
             yield
-    except UnreadableError as error:
+    except (UnreadableError, MissingFileError) as error:
         if name in str(error):
             raise
         raise UnreadableError(f"{name}: {error}") from error
