@@ -62,7 +62,7 @@ closed contour encloses unambiguously, elsewhere the one predicted by a network 
 
 The **classical methods** to which the publication compares its own, snakes and level sets, are listed with the charged
 particles in `CONTOUR_METHODS`: from the same image and the same drawn `Start`, each yields the states of a run one by
-one (`methods`). `METHODS` has all methods by name.
+one (`methods`). `METHODS` has all methods by name; `register_method` adds one.
 
 Words
 -----

@@ -41,7 +41,7 @@ class Table(dict[str, Column]):
     --------
     >>> table = cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64))).table()
     >>> table
-    <Table 2 rows, label, name, area, area_filled, area_convex, perimeter, centroid-0, centroid-1, bb…>
+    <Table 2 rows, label, name, area, area_filled, area_convex, perimeter, centroid-0, centroid-1, bbo…>
     >>> [round(float(area)) for area in table["area"]], table.units["area"]
     ([310, 309], 'px²')
     """

@@ -81,10 +81,7 @@ def _result_of_labels(given: NDArray[Any], image: Image | None) -> Result:
     labels = given.astype(np.int32)
     found = _empty_result(given.shape, image, "labels")
     if labels.ndim == 3:
-        surface = surface_from_labels(labels, found.spacing, found.unit)
-        if surface.numbers is None:  # there is a single one
-            surface = replace(surface, numbers=np.full(len(surface.faces), max(int(labels.max()), 1)))
-        return copy_with(found, surface=surface, labels=labels)
+        return copy_with(found, surface=surface_from_labels(labels, found.spacing, found.unit), labels=labels)
     contours = tuple(
         Contour(points, True, group=number, hole=hole)
         for number, outlines in find_label_outlines(labels)
