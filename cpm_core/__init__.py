@@ -62,7 +62,7 @@ closed contour encloses unambiguously, elsewhere the one predicted by a network 
 
 The **classical methods** to which the publication compares its own, snakes and level sets, are listed with the charged
 particles in `CONTOUR_METHODS`: from the same image and the same drawn `Start`, each yields the states of a run one by
-one (`objects.methods`). `METHODS` has all methods by name.
+one (`methods`). `METHODS` has all methods by name.
 
 Words
 -----
@@ -81,7 +81,6 @@ from cpm_core.contours.faces import Face
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.region_table import Table
-from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.field.edge_map import edge_map
@@ -109,6 +108,16 @@ from cpm_core.image.volume_regions import Extrusion, VolumeRegions
 from cpm_core.medial_axis.centerlines import Centerlines, centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
+from cpm_core.methods import (
+    CONTOUR_METHODS,
+    ContourMethod,
+    ContourState,
+    RunReport,
+    Start,
+    iterate_method,
+    report_run,
+    run_method,
+)
 from cpm_core.model.coulomb import coulomb_force
 from cpm_core.model.measures import Energies, Forces
 from cpm_core.model.starts import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
@@ -121,28 +130,8 @@ from cpm_core.model.volume.starts import (
     seeds_on_strong_edges,
     sphere,
 )
-from cpm_core.objects import (
-    NotebookView,
-    Partition,
-    Selection,
-    VolumePartition,
-    VolumeSelection,
-    notebook_view,
-    objects_result,
-    partition,
-    select,
-    select_all,
-)
-from cpm_core.objects.methods import (
-    CONTOUR_METHODS,
-    ContourMethod,
-    ContourState,
-    RunReport,
-    Start,
-    iterate_method,
-    report_run,
-    run_method,
-)
+from cpm_core.notebook import NotebookView, notebook_view
+from cpm_core.objects import Partition, Selection, VolumePartition, VolumeSelection
 from cpm_core.pages.follow import follow_pages
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import TrackEvent
@@ -150,10 +139,13 @@ from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.published.crust import reconstruct_curve
 from cpm_core.published.electric_field import electric_field
 from cpm_core.published.surface_from_points import reconstruct_surface
+from cpm_core.results import objects_result
+from cpm_core.results.result import Result
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution, RunState, evolve, segment
 from cpm_core.segmentation.method import RUN_METHODS as RUN_METHODS
 from cpm_core.segmentation.method import Method
+from cpm_core.segmentation.select import partition, select, select_all
 
 __version__ = VERSION
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import gradient_in_window, smoothed_gradient
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.scale_field import build_scale_field, limit_field
 from cpm_core.image.denoising import remove_noise
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.model.coverage import mark_covered, no_coverage
 from cpm_core.model.plane import motion
 from cpm_core.model.plane.repulsion import mesh_force
@@ -25,10 +25,10 @@ from cpm_core.model.volume.starts import sphere
 from cpm_core.numerics.types import Callback
 from cpm_core.objects.boundaries.crossings import find_crossings
 from cpm_core.objects.boundaries.snapping import snap_to_contours
-from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.objects.partition import Partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.reconstruction import find_contours
+from cpm_core.results.result import Result
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.finer_scale import find_unexplained_edges
 

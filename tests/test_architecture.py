@@ -24,7 +24,7 @@ CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tiff
 
 LATE_LIBRARIES = {
     "cpm_core.image.drawing": {"matplotlib"},
-    "cpm_core.objects.view": {"anywidget", "traitlets"},
+    "cpm_core.notebook.view": {"anywidget", "traitlets"},
     "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.objects.segmented.by_hand": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},
@@ -59,9 +59,12 @@ FLOORS = (
     "cpm_core.contours",
     "cpm_core.reconstruction",
     "cpm_core.medial_axis",
+    "cpm_core.objects",
+    "cpm_core.results",
     "cpm_core.published",
     "cpm_core.segmentation",
-    "cpm_core.objects",
+    "cpm_core.methods",
+    "cpm_core.notebook",
     "cpm_core.shapes",
     "cpm_core.pages",
     "cpm_core.formats",

@@ -16,7 +16,7 @@ from cpm_app.model.text.assets import read_guide_page
 
 from cpm_core.formats import CONTOURS_WRITABLE
 from cpm_core.formats.writers import VOLUMES_WRITABLE
-from cpm_core.objects.methods import CONTOUR_METHODS, Settings
+from cpm_core.methods import CONTOUR_METHODS, Settings
 from cpm_core.parameters import PARAMETERS
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.shapes import SHAPES_BY_NAME

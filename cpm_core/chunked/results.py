@@ -18,7 +18,6 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.region_table import measure_regions
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import write_together
 from cpm_core.formats.common.json_values import encode_json
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_shapes
@@ -29,6 +28,7 @@ from cpm_core.numerics.grids import Window, expand_window, split_into_tiles, win
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.formatting import format_count
 from cpm_core.parameters.provenance import Provenance, select_parameters
+from cpm_core.results.result import Result
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Everywhere
 

@@ -22,15 +22,13 @@ from cpm_core.cli.arguments import (
 from cpm_core.cli.inputs import fit_parameters, load_named_session, load_named_truth, locate_image, read_starts
 from cpm_core.cli.output import OutputFiles, ensure_compiled, print_message, print_report
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.result import Result
 from cpm_core.formats import load_image
 from cpm_core.formats.comparison import check_comparison, list_comparison_files, write_comparison
 from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE_CHOICE
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import JsonDict, Texts
-from cpm_core.objects.methods import (
+from cpm_core.methods import (
     CONTOUR_METHODS,
     MethodComparison,
     RunReport,
@@ -40,8 +38,10 @@ from cpm_core.objects.methods import (
     report_run,
     run_method,
 )
+from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.formatting import format_count, quote_value
+from cpm_core.results.result import Result
 from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
 from cpm_core.shapes.document_shapes import check_axes, select_starts
 from cpm_core.shapes.outlines import drawn_outlines

@@ -26,7 +26,6 @@ from cpm_core.cli.output import (
     print_notes,
     print_report,
 )
-from cpm_core.contours.result import Result
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
     CONTOURS_READABLE,
@@ -56,6 +55,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count
+from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import SEEDED_METHODS
 from cpm_core.shapes.document_shapes import select_starts
 

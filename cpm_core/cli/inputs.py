@@ -10,7 +10,6 @@ from pathlib import Path
 
 from cpm_core.cli.output import print_message, print_notes
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
-from cpm_core.contours.result import Result
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
     CONTOURS_READABLE,
@@ -32,6 +31,7 @@ from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.pages.follow import limit_scales
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value
+from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import DEFAULT_METHOD, SEEDED_METHODS, segment
 from cpm_core.shapes import Shape, Start
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds

@@ -14,7 +14,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from cpm_core.contours.result import Result
 from cpm_core.formats import export
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.common.provenance import VERSION
@@ -22,6 +21,7 @@ from cpm_core.image.image import Image
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonObject
 from cpm_core.parameters.formatting import format_count
+from cpm_core.results.result import Result
 from cpm_core.warm_up import FIRST, is_compiled, warm_up
 
 SCHEMA_VERSION = 1

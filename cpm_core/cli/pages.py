@@ -20,7 +20,6 @@ from cpm_core.cli.output import (
     print_report,
 )
 from cpm_core.cli.run_request import RunRequest
-from cpm_core.contours.result import Result
 from cpm_core.formats import load_pages
 from cpm_core.formats.common.provenance import describe_shapes
 from cpm_core.formats.stack_files import export_stack
@@ -30,6 +29,7 @@ from cpm_core.pages.follow import follow_pages, limit_scales
 from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.parameters.formatting import format_count, quote_value
+from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds
 

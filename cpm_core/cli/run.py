@@ -38,7 +38,6 @@ from cpm_core.cli.pages import run_pages
 from cpm_core.cli.run_request import RunRequest, parse_run_request
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
-from cpm_core.contours.result import Result
 from cpm_core.contours.surface_agreement import compare_surface
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
@@ -55,9 +54,12 @@ from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, ImageFile, save_session
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
-from cpm_core.objects import Partition, Selection, VolumePartition, objects_result, select_all
+from cpm_core.objects import Partition, Selection, VolumePartition
 from cpm_core.parameters.formatting import format_count, format_size
+from cpm_core.results import objects_result
+from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import SEEDED_METHODS
+from cpm_core.segmentation.select import select_all
 from cpm_core.shapes import SEEDING_KINDS
 
 _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."

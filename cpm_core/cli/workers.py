@@ -20,7 +20,6 @@ from typing import Any
 
 from cpm_core.cli.inputs import fit_scales_to_image, list_image_notes, segment_shapes
 from cpm_core.cli.output import collect_run_facts
-from cpm_core.contours.result import Result
 from cpm_core.formats import describe_omissions, load_image, to_bytes
 from cpm_core.formats.common.content import missing_package_message, try_fingerprint
 from cpm_core.formats.common.provenance import VERSION, record_drawn_shapes
@@ -29,6 +28,7 @@ from cpm_core.formats.sessions.session_file import SessionFile, adapt_reading
 from cpm_core.numerics.parallel import count_cores, limit_cores
 from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.parameters import Parameters
+from cpm_core.results.result import Result
 from cpm_core.warm_up import is_compiled, warm_up
 
 _LOG = logging.getLogger(__name__)

@@ -6,13 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
 
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_writable, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import escape_cell
 from cpm_core.formats.contours import contour_csv
 from cpm_core.formats.writers import CONTOURS_WRITABLE, check_export, describe_omissions, find_format_suffix, to_bytes
-from cpm_core.objects.methods import RunReport
+from cpm_core.methods import RunReport
+from cpm_core.results.result import Result
 
 TABLE_SUFFIX = ".csv"
 """Suffix of the table of all methods; other suffixes give one file of contours per method."""

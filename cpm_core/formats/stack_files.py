@@ -10,7 +10,6 @@ import numpy as np
 
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import Labels, label_type, rasterize_labels
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, draft_files, find_suffix, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.json_values import encode_json
@@ -19,6 +18,7 @@ from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
 from cpm_core.formats.masks.labels import build_imagej_metadata
 from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.pages.page import StackResult
+from cpm_core.results.result import Result
 
 _MAX_IMAGEJ_SIZE = 2**32 - 2**25
 """Largest TIFF with the entries of ImageJ; larger ones need 64-bit offsets [bytes]."""

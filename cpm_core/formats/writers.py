@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.measurements import assign_labels
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, find_suffix, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import make_printable
@@ -39,6 +38,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, Texts, frozen
 from cpm_core.parameters.formatting import format_count, quote_value
+from cpm_core.results.result import Result
 
 _LOG = logging.getLogger(__name__)
 

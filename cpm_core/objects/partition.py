@@ -18,13 +18,13 @@ import skimage
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
+from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
+from cpm_core.field.start_area.start_area import object_enclosed_by
 from cpm_core.image import drawing
-from cpm_core.image.image import Image, as_image, as_plane
+from cpm_core.image.image import Image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import plane_regions
-from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.real_numbers import as_positions
@@ -40,19 +40,11 @@ from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_ou
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Prompt
 from cpm_core.objects.selection import Selection, compute_iou
 from cpm_core.objects.vessels import find_vessel_tree
-from cpm_core.objects.volume_partition import VolumePartition, require_image
-from cpm_core.parameters import Parameters
+from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
-from cpm_core.segmentation.evolve import segment
-from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
-from cpm_core.segmentation.reach.start_area import object_enclosed_by
 
 NO_POINTS = np.empty((0, 2))
 """An empty array of points."""
-
-EVERYWHERE_PARAMETERS = Parameters(smoothing=1.5)
-"""Parameters of the run from everywhere that finds the contours of an image."""
-
 
 _OUTLINE_MARGIN = 10
 """Margin around an object that its outline depends on: twice the reach of its edge map [px]."""
@@ -147,39 +139,6 @@ class ParentImage:
     smoothing: float
 
 
-def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Partition | VolumePartition:
-    """Prepare an image with its contours, or a volume with the bodies of its surface, to select objects from.
-
-    Parameters
-    ----------
-    values : array_like, shape (H, W) or (P, H, W), or Image, or Result
-        An image, in which a run from everywhere finds the contours; a volume, which needs no run; or the result of a
-        run.
-    params : Parameters, optional
-        Parameters of the run on an image.
-
-    Returns
-    -------
-    Partition or VolumePartition
-        To select objects from.
-
-    Raises
-    ------
-    ValueError
-        For an unusable image, or a result that does not know its image.
-
-    Examples
-    --------
-    >>> partition = cpm.partition(cpm.example("disks"))
-    >>> partition.select([(32, 18)])
-    <Selection 301 px, 1 contour, 0 gaps, 98 % sure>
-    """
-    if isinstance(values, Result):
-        return Partition.from_result(values) if values.surface is None else VolumePartition.from_result(values)
-    image = as_image(values)
-    return VolumePartition(image) if image.ndim == 3 else Partition.from_image(image, params)
-
-
 def partition_without_run(image: Image) -> Partition | VolumePartition:
     """Prepare an image or a volume without a run, so that the network answers all prompts."""
     return Partition(image, ()) if image.ndim == 2 else VolumePartition(image)
@@ -206,7 +165,7 @@ class Partition(drawing.Pictured):
 
     Examples
     --------
-    >>> partition = cpm.Partition.from_image(cpm.example("disks"))
+    >>> partition = cpm.partition(cpm.example("disks"))
     >>> cpm.Partition.from_result(cpm.segment(partition.image, cpm.circle((32, 18), 5)))
     <Partition disks, 64 x 64 px, 2 contours>
     >>> partition.shape, partition.values.shape, bool(partition.interest.all())
@@ -236,16 +195,11 @@ class Partition(drawing.Pictured):
     parent: ParentImage | None = None
 
     @classmethod
-    def from_result(cls, result: Result) -> Partition:
+    def from_result(cls, result: FoundInImage) -> Partition:
         """Make the partition of the image and the contours of a result; ValueError when it does not know its image."""
         return cls(
             as_plane(require_image(result)), tuple(result.contours), plane_regions(result.regions), result.channel
         )
-
-    @classmethod
-    def from_image(cls, image: Image, params: Parameters | None = None) -> Partition:
-        """Make the partition of an image with the contours that a run from everywhere finds in it."""
-        return cls.from_result(segment(image, uniform_grid(image.shape), params or EVERYWHERE_PARAMETERS))
 
     @property
     def shape(self) -> Extent:

@@ -13,12 +13,13 @@ from collections.abc import Iterator
 from dataclasses import field, replace
 from functools import cached_property
 from itertools import islice
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
-from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface, voxelize_surface
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
@@ -51,7 +52,31 @@ EMPTY_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
 """The surface of a volume in which nothing has run yet."""
 
 
-def require_image(result: Result) -> Image:
+class FoundInImage(Protocol):
+    """Contours, or a surface, with the image in which they were found: what a partition needs of a `Result`."""
+
+    @property
+    def image(self) -> Image | None:
+        """The image."""
+
+    @property
+    def contours(self) -> tuple[Contour, ...]:
+        """The contours."""
+
+    @property
+    def surface(self) -> Surface | None:
+        """The surface in a volume."""
+
+    @property
+    def regions(self) -> AnyRegions | None:
+        """Regions of interest and barriers."""
+
+    @property
+    def channel(self) -> str:
+        """Channel of a color image."""
+
+
+def require_image(result: FoundInImage) -> Image:
     """Return the image of a result; ValueError when it does not know it."""
     if result.image is None:
         raise ValueError("the result has no image: make a partition of the image itself.")
@@ -90,7 +115,7 @@ class VolumePartition:
     regions: AnyRegions | None = None
 
     @classmethod
-    def from_result(cls, result: Result) -> VolumePartition:
+    def from_result(cls, result: FoundInImage) -> VolumePartition:
         """Make the partition of the volume and the closed surface of a result; ValueError when it has no image."""
         surface = result.surface if result.surface is not None and result.surface.closed else EMPTY_SURFACE
         return cls(require_image(result), surface, result.regions)

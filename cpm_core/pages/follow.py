@@ -9,7 +9,6 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import max_scales
@@ -19,6 +18,7 @@ from cpm_core.pages.page import Page, strip_image
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value
+from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes import Start, collect_seeds, starts_from_contours
 

@@ -17,14 +17,15 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import compute_centroid
-from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
-from cpm_core.objects import Partition, Selection, compute_iou, objects_result
+from cpm_core.objects import Partition, Selection, compute_iou
 from cpm_core.pages.follow import describe_error
 from cpm_core.pages.page import Page, strip_image
 from cpm_core.pages.tracks import MIN_PART_FRACTION, MIN_TRACK_OVERLAP, Tracker, TrackEvent, find_origins
+from cpm_core.results import objects_result
+from cpm_core.results.result import Result
 
 _TEMPLATE_MARGIN = 0.25
 """Margin around an object that is compared as well, in lengths of the object."""

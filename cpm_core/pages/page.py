@@ -11,10 +11,10 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Integers, JsonObject, frozen, record
 from cpm_core.pages.tracks import TrackEvent, find_origins
 from cpm_core.parameters.formatting import format_count, format_repr
+from cpm_core.results.result import Result
 
 _VERTEX_DECIMALS = 4
 """Decimals of the vertices of contours, as files hold them [px]."""

@@ -16,7 +16,6 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.result import Result, build_result, describe_origin
 from cpm_core.contours.surface import Surface
 from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate_field
@@ -42,6 +41,7 @@ from cpm_core.published import dynamics
 from cpm_core.published.crust import reconstruct_curve
 from cpm_core.published.lorentz_force import FIELDS, NORMALIZATIONS, fixed_charges, minima_charges
 from cpm_core.published.surface_from_points import reconstruct_surface
+from cpm_core.results.result import Result, build_result, describe_origin
 
 USUAL_SIGMA = 1.0
 """Width of the Gaussian where it is "auto", which the text does not have [px]."""

@@ -14,7 +14,6 @@ from typing import ClassVar, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.result import Result, describe_origin
 from cpm_core.field.placed_charges import PlacedCharge, check_charges
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
@@ -33,9 +32,10 @@ from cpm_core.parameters import PARAMETERS, SKELETON_PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 from cpm_core.parameters.provenance import select_parameters
+from cpm_core.results.result import Result, describe_origin
 from cpm_core.segmentation.finer_scale import drop_explained_seeds, thin_seeds
+from cpm_core.segmentation.local_fields import LocalFields
 from cpm_core.segmentation.outcome import find_state_contours, find_state_surface
-from cpm_core.segmentation.reach.local_fields import LocalFields
 
 
 class _Law(NamedTuple):

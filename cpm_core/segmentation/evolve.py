@@ -10,7 +10,6 @@ from typing import Any, cast
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image import drawing
@@ -21,6 +20,7 @@ from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
+from cpm_core.results.result import Result
 from cpm_core.segmentation.method import RUN_METHODS, Method
 
 SEEDED_METHODS = {name: method for name, method in RUN_METHODS.items() if method.seeded}

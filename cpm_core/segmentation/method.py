@@ -12,7 +12,6 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar, runtime_checkable
 
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
@@ -24,6 +23,7 @@ from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array, Numbers, Texts
 from cpm_core.parameters import Parameters
 from cpm_core.published import Published
+from cpm_core.results.result import Result
 from cpm_core.segmentation.engine import Engine
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from cpm_core.contours.contour import Bridge
-from cpm_core.contours.result import Result, build_result
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.image import Image
@@ -15,6 +14,7 @@ from cpm_core.model.volume.state import VolumeState
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
+from cpm_core.results.result import Result, build_result
 
 
 def find_state_contours(

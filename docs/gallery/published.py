@@ -17,9 +17,9 @@ from scipy.spatial import cKDTree
 
 from cpm_core import Parameters, gradient_threshold, segment, skeleton, sphere, uniform_grid
 from cpm_core.contours.agreement import compare_boundaries
-from cpm_core.contours.result import Result
 from cpm_core.numerics.polyline import points_at_lengths
 from cpm_core.published import Published
+from cpm_core.results.result import Result
 from docs.gallery import silhouettes, skeletons
 from docs.gallery.pictures import cells
 from docs.gallery.scenes import Scene

@@ -27,7 +27,7 @@ from PySide6.QtWidgets import QApplication, QDialog
 from pytestqt.qtbot import QtBot
 
 from cpm_core.contours.contour import Contour
-from cpm_core.objects import boundaries_result
+from cpm_core.results import boundaries_result
 from cpm_core.shapes import Circle
 from tests.app.views.window.windows import (
     KEPT,

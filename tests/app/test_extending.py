@@ -28,11 +28,11 @@ from skimage.measure import find_contours
 
 from cpm_core.cli import main
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
 from cpm_core.formats import writers
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.state import Particles
 from cpm_core.parameters import PARAMETERS, Parameters
+from cpm_core.results.result import Result
 from cpm_core.segmentation.method import RUN_METHODS
 from cpm_core.shapes import Circle
 

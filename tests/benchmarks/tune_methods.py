@@ -19,8 +19,8 @@ import skimage
 from cpm_core.contours.agreement import compare_boundaries
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
-from cpm_core.objects.methods.method import trace_boundary
+from cpm_core.methods import CONTOUR_METHODS, Start, run_method
+from cpm_core.methods.method import trace_boundary
 from cpm_core.shapes import Circle
 from tests.benchmarks.claims.claims import OURS, OURS_SETTINGS
 from tests.benchmarks.claims.trials import Trial, trials

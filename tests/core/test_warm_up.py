@@ -9,7 +9,7 @@ from numba.core.dispatcher import Dispatcher
 
 from cpm_core import Engine, Parameters, circle
 from cpm_core.field import scale_field, scale_space
-from cpm_core.segmentation.reach import local_fields
+from cpm_core.segmentation import local_fields
 from cpm_core.warm_up import warm_up
 
 from .scenes import disk

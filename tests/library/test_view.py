@@ -9,7 +9,7 @@ import pytest
 
 import cpm_core as cpm
 
-MODULE = importlib.import_module("cpm_core.objects.view")
+MODULE = importlib.import_module("cpm_core.notebook.view")
 
 
 def sent(view, name, *given):

@@ -14,7 +14,6 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import build_objects_result
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_core import Contour, Image, Result, Skeleton
-from cpm_core.contours.result import keep_contours
 from cpm_core.formats import (
     ANIMATIONS_WRITABLE,
     CENTERLINES_WRITABLE,
@@ -28,6 +27,7 @@ from cpm_core.formats import (
 from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import frozen
+from cpm_core.results.result import keep_contours
 
 ExportKind = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
 

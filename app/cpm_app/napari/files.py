@@ -13,7 +13,7 @@ from cpm_app.napari.layers import LayerData, build_contour_layer, contours_from_
 from cpm_core import Result, Surface, export
 from cpm_core.formats import CONTOURS_READABLE, read_contours
 from cpm_core.numerics.types import JsonObject
-from cpm_core.objects import boundaries_result
+from cpm_core.results import boundaries_result
 
 
 def reader_of(path: str | Sequence[str]) -> Callable[[str | Sequence[str]], list[LayerData]] | None:

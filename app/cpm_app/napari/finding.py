@@ -14,7 +14,8 @@ import cpm_core as cpm
 from cpm_core.contours import join_surfaces
 from cpm_core.contours.surface import surface_from_labels
 from cpm_core.numerics import Array, Index
-from cpm_core.objects import boundaries_result, partition_without_run
+from cpm_core.objects import partition_without_run
+from cpm_core.results import boundaries_result
 from cpm_core.shapes import starts_from_contours
 
 WorkProgress = tuple[str, Array | None]

@@ -12,13 +12,13 @@ from dataclasses import asdict, replace
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.results.result import Result
 from cpm_core.shapes import SHAPES_BY_NAME, EnclosedRegion, EnclosingWall, Shape
 
 Outcome = Result | Skeleton

@@ -10,7 +10,6 @@ import numpy as np
 
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import measure
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.json_values import encode_json, from_json, to_json
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, Outcome, describe_image_provenance, describe_provenance
 from cpm_core.formats.contours.contents import CollectedContours, clean_properties, round_coordinates
@@ -19,6 +18,7 @@ from cpm_core.numerics.types import Array, JsonDict, JsonObject
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.results.result import Result
 
 _IMAGE_FORMAT = "cpm-contours"
 """Value of the entry ``format`` for the result of an image."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.provenance import Outcome, describe_provenance, dump_provenance
 from cpm_core.image.drawing import FIGURE_FORMATS, new_figure, render_figure
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.results.result import Result
 
 
 def write_figure(

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.content import AnyPath, read_content
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours.contour_csv import Row, build_provenance_cells, encode_csv_rows
 from cpm_core.numerics.types import Array, Integers
 from cpm_core.parameters.formatting import quote_value
+from cpm_core.results.result import Result
 
 _AXIS_COLUMNS = ("plane", "row", "col")
 """Columns of the coordinates."""

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contours, Label, assign_numbers
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import MAX_UINT16_LABELS, label_type
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.common.provenance import (
     PROGRAM_NAME,
@@ -27,6 +26,7 @@ from cpm_core.formats.common.provenance import (
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Extent, JsonDict, Pixels
+from cpm_core.results.result import Result
 
 _HUE_STEP = 0.6180339887
 """Step of hue from one label to the next: the golden ratio spreads its multiples evenly."""

@@ -15,13 +15,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.result import Result
 from cpm_core.formats.common.provenance import PROGRAM_NAME, Outcome, describe_provenance, dump_provenance
 from cpm_core.formats.images.resolution import ascii_unit, conversion_factor, find_unit
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Sides, Single, Texts, frozen
 from cpm_core.parameters import DEFAULT_VALUES
+from cpm_core.results.result import Result
 
 _POSITION_TOLERANCE = 1e-3
 """Largest rounding error of a position in a file [smallest side of a voxel]."""

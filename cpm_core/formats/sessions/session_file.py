@@ -31,8 +31,8 @@ from cpm_core.formats.common.provenance import PROGRAM_NAME
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT_READING, Reading
 from cpm_core.medial_axis.outlines import SkeletonTarget
+from cpm_core.methods import CONTOUR_METHODS, MethodComparison, Settings
 from cpm_core.numerics.types import Callback, Integers, JsonDict, JsonObject, Texts, frozen
-from cpm_core.objects.methods import CONTOUR_METHODS, MethodComparison, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value

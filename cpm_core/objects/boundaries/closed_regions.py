@@ -17,9 +17,9 @@ import skimage
 from cpm_core.contours.contour import Contour
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
+from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
-from cpm_core.segmentation.reach.drawn_area import MIN_DRAWN_PLACES, drawn_area
 
 _MAJORITY_SHARE = 0.5
 """Share of a start above which it lies in a region, and of a contour above which it lies in another."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from cpm_core.objects.methods import CONTOUR_METHODS
+from cpm_core.methods import CONTOUR_METHODS
 from cpm_core.warm_up import warm_up
 from tests.benchmarks.claims.claims import TIME, Score, Verdict, scores, taking_part, verdicts
 from tests.benchmarks.claims.trials import Trial

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from cpm_core.contours.agreement import compare_boundaries
-from cpm_core.objects.methods import CONTOUR_METHODS, run_method
+from cpm_core.methods import CONTOUR_METHODS, run_method
 from cpm_core.parameters import PRESETS
 from tests.benchmarks.claims.trials import CONCAVITIES, LEAKS, NOISE, STARTS, TOPOLOGY, Trial, trials
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
+from cpm_core.methods import Start
 from cpm_core.numerics.types import Array
-from cpm_core.objects.methods import Start
 from cpm_core.shapes import Circle
 from docs.gallery import silhouettes
 from docs.gallery.outlines import polygon, round_ring

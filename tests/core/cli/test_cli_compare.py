@@ -11,8 +11,8 @@ import pytest
 import tifffile
 
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.objects.methods import CONTOUR_METHODS, MethodComparison
-from cpm_core.objects.methods.level_sets import GeodesicSettings
+from cpm_core.methods import CONTOUR_METHODS, MethodComparison
+from cpm_core.methods.level_sets import GeodesicSettings
 from cpm_core.shapes import Ellipse
 
 ROW, COL = np.indices((56, 60))

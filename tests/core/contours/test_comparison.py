@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from cpm_core import Contour, compare
 from cpm_core.contours.ground_truth import truth_from_contours, truth_from_mask
 from cpm_core.contours.rasterize import rasterize_mask
-from cpm_core.objects.methods.method import trace_boundary
+from cpm_core.methods.method import trace_boundary
 
 from ..scenes import circle_points
 

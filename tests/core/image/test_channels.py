@@ -14,7 +14,7 @@ from cpm_core.formats import load_contours
 from cpm_core.image.colors import Colors, extract_channel
 from cpm_core.image.image import Image
 from cpm_core.model.starts import circle
-from cpm_core.objects import objects_result
+from cpm_core.results import objects_result
 from cpm_core.shapes import Everywhere
 from cpm_core.shapes.image_starts import SeedCache
 

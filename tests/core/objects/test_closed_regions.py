@@ -6,10 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.model.starts import circle
-from cpm_core.objects.partition import partition
-from cpm_core.objects.select import select_all
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.evolve import segment
+from cpm_core.segmentation.select import partition, select_all
 
 ROW, COL = np.indices((112, 120)).astype(float)
 

@@ -5,7 +5,8 @@ import pytest
 import scipy
 
 from cpm_core import circle, partition
-from cpm_core.objects.partition import Partition, as_image
+from cpm_core.image.image import as_image
+from cpm_core.objects.partition import Partition
 from cpm_core.objects.vessels import find_vessel_tree
 
 from ..scenes import antialiased, disk, ring

@@ -17,10 +17,9 @@ from cpm_core.model.coverage import NEVER_COVERED, no_coverage
 from cpm_core.model.plane import state as plane_state
 from cpm_core.model.starts import circle
 from cpm_core.parameters import PRESETS, Parameters
-from cpm_core.segmentation import large_images
+from cpm_core.segmentation import large_images, local_fields
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.large_images import large_image_settings
-from cpm_core.segmentation.reach import local_fields
 
 from ..scenes import disk
 

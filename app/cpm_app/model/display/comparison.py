@@ -11,8 +11,8 @@ from cpm_app.model.display.lengths import format_short_number
 from cpm_app.model.parameters.controls import Control, control_value, set_control_value, slider_range
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_core import CONTOUR_METHODS, Parameters
+from cpm_core.methods import MethodComparison
 from cpm_core.numerics.types import frozen, record
-from cpm_core.objects.methods import MethodComparison
 
 MIN_AXIS_VALUES = 2
 """Smallest number of values of a parameter."""

@@ -16,8 +16,8 @@ from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import SkeletonTarget
+from cpm_core.methods import MethodComparison
 from cpm_core.numerics.types import Array, Extent, Line, Sides, frozen
-from cpm_core.objects.methods import MethodComparison
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import limit_scales
 from cpm_core.shapes import (

@@ -18,7 +18,6 @@ from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, Position, path_length, polyline, simplify_path
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Extent, Integers, Line, Sides
-from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
     Click,
     Halves,
@@ -34,6 +33,7 @@ from cpm_core.objects.segmented import (
 from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.parameters import Provenance
+from cpm_core.results import boundaries_result
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region, Stroke
 
 AnySelection = Selection | VolumeSelection

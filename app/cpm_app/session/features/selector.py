@@ -37,10 +37,11 @@ from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, frozen
-from cpm_core.objects import EVERYWHERE_PARAMETERS, compute_iou
+from cpm_core.objects import compute_iou
 from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, collect_points, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
+from cpm_core.segmentation.select import EVERYWHERE_PARAMETERS
 from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
 
 _PARTITION_DELAY = 250

@@ -16,8 +16,8 @@ from cpm_app.session.exchange.messages import Reconstruction, explain_failure
 from cpm_app.session.scene import Scene
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
 from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, iterate_method, report_run
+from cpm_core.methods import build_method_result
 from cpm_core.numerics import count_cores
-from cpm_core.objects.methods import build_method_result
 from cpm_core.shapes import SeedCache, drawn_outlines
 
 

@@ -39,7 +39,7 @@ from cpm_app.session.session import Session
 from cpm_app.views.widgets.containers import create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import CONTOUR_METHODS
-from cpm_core.objects.methods import MethodComparison, Settings
+from cpm_core.methods import MethodComparison, Settings
 
 
 class ParameterChoice(QWidget):

@@ -22,9 +22,9 @@ from PySide6.QtWidgets import QFileDialog, QPushButton
 
 from cpm_core import PRESETS, Engine, segment
 from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.methods import CONTOUR_METHODS, MethodComparison
+from cpm_core.methods.comparison import DEFAULT_METHODS
 from cpm_core.model.starts import circle
-from cpm_core.objects.methods import CONTOUR_METHODS, MethodComparison
-from cpm_core.objects.methods.comparison import DEFAULT_METHODS
 from tests.app.conftest import Hand, disc
 
 pytestmark = pytest.mark.shared_window

@@ -10,8 +10,8 @@ from PySide6.QtCore import Qt
 
 from cpm_core.field import scale_space
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH
+from cpm_core.segmentation import local_fields
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.reach import local_fields
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
 from cpm_core.formats import CONTOURS_WRITABLE, check_export, export, find_format_suffix
+from cpm_core.results.result import Result
 
 TRIANGLE = np.array([[5.0, 5.0], [5.0, 20.0], [20.0, 5.0]])
 

@@ -5,10 +5,10 @@ import PIL.Image
 import pytest
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
 from cpm_core.formats import MASK_SUFFIXES, count_left_out, export, to_bytes
 from cpm_core.formats.ground_truth_file import load_truth
 from cpm_core.formats.masks.labels import label_palette, paint_labels
+from cpm_core.results.result import Result
 
 
 def polygon_of(row, col, radius, count=40, rough=0.0, seed=0):

@@ -12,8 +12,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Extent, frozen
-from cpm_core.objects.methods.method import (
+from cpm_core.methods.method import (
     ContourMethod,
     ContourState,
     Settings,
@@ -25,6 +24,7 @@ from cpm_core.objects.methods.method import (
     signed_region_distance,
     unit_gray,
 )
+from cpm_core.numerics.types import Array, Extent, frozen
 
 _MAX_CHAN_VESE_STEPS = 500
 

@@ -4,7 +4,7 @@
 sets in `level_sets`, and the methods of scikit-image in `regions`.
 """
 
-from cpm_core.objects.methods.comparison import (
+from cpm_core.methods.comparison import (
     CONTOUR_METHODS,
     MethodComparison,
     MethodStep,
@@ -14,7 +14,7 @@ from cpm_core.objects.methods.comparison import (
     report_run,
     run_method,
 )
-from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
+from cpm_core.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
 
 __all__ = [
     "CONTOUR_METHODS",

@@ -18,10 +18,7 @@ import skimage
 from cpm_core.contours.contour import Contour
 from cpm_core.field.edge_map import smoothed_gradient
 from cpm_core.image.image import Image
-from cpm_core.numerics.polyline import path_length, resample_path
-from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array, Arrays, Extent, frozen
-from cpm_core.objects.methods.method import (
+from cpm_core.methods.method import (
     ContourMethod,
     ContourState,
     Settings,
@@ -31,6 +28,9 @@ from cpm_core.objects.methods.method import (
     unit_edges,
     unit_gray,
 )
+from cpm_core.numerics.polyline import path_length, resample_path
+from cpm_core.numerics.segments import SegmentTree
+from cpm_core.numerics.types import Array, Arrays, Extent, frozen
 
 _FIELD_TOLERANCE = 1e-9
 """Residual of the equation of the field relative to its right side."""

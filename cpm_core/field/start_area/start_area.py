@@ -18,9 +18,7 @@ import scipy
 import skimage
 
 from cpm_core.field.edge_map import smoothed_gradient, vector_magnitudes
-from cpm_core.numerics.grids import Labels
-from cpm_core.numerics.types import Array, Extent, Mask
-from cpm_core.segmentation.reach.drawn_area import (
+from cpm_core.field.start_area.drawn_area import (
     MIN_DRAWN_PLACES,
     clicked_area,
     drawn_area,
@@ -28,7 +26,9 @@ from cpm_core.segmentation.reach.drawn_area import (
     is_everywhere,
     typical_radius,
 )
-from cpm_core.segmentation.reach.surrounded_object import find_surrounded_object, flood_from_markers
+from cpm_core.field.start_area.surrounded_object import find_surrounded_object, flood_from_markers
+from cpm_core.numerics.grids import Labels
+from cpm_core.numerics.types import Array, Extent, Mask
 
 _SIGMA_PER_RADIUS = 0.1
 """Smoothing of the edge map in radii of the start: details much smaller than the start do not bound it."""

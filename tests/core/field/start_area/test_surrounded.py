@@ -5,12 +5,12 @@ import pytest
 from scipy.spatial import cKDTree
 
 from cpm_core.contours.contour import sample_contours
+from cpm_core.field.start_area.drawn_area import drawn_area, hollow_part
+from cpm_core.field.start_area.start_area import object_enclosed_by
 from cpm_core.model.starts import circle, uniform_grid
-from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.evolve import segment
-from cpm_core.segmentation.reach.drawn_area import drawn_area, hollow_part
-from cpm_core.segmentation.reach.start_area import object_enclosed_by
+from cpm_core.segmentation.select import partition
 
 ROW, COL = np.indices((120, 160))
 CELL, OTHERS = (60.0, 60.0), ((60.0, 112.0), (20.0, 95.0), (102.0, 98.0))

@@ -15,15 +15,16 @@ import PIL.Image
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
 from cpm_core.contours.surface import slice_surface
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.types import JsonDict
-from cpm_core.objects.partition import Partition, partition, partition_without_run
+from cpm_core.objects.partition import Partition, partition_without_run
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import EMPTY_SURFACE, VolumePartition, VolumeSelection
 from cpm_core.parameters.formatting import format_count, format_repr
+from cpm_core.results.result import Result
+from cpm_core.segmentation.select import partition
 
 _MAX_PICTURE_SIDE = 2048
 """Longer side of the picture that is sent to a notebook [px]."""

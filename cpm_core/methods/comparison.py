@@ -13,24 +13,24 @@ import numpy as np
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour, sample_contours
 from cpm_core.contours.ground_truth import Truth
-from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image, as_image
-from cpm_core.numerics.real_numbers import check_finite_number
-from cpm_core.numerics.types import Texts, frozen, record
-from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
-from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
-from cpm_core.objects.methods.particles import PARTICLE_METHOD, PROPOSED_OBJECT
-from cpm_core.objects.methods.regions import (
+from cpm_core.methods.level_sets import GEODESIC, GEOMETRIC_GVF
+from cpm_core.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
+from cpm_core.methods.particles import PARTICLE_METHOD, PROPOSED_OBJECT
+from cpm_core.methods.regions import (
     CHAN_VESE,
     MORPHOLOGICAL_CHAN_VESE,
     MORPHOLOGICAL_GAC,
     RANDOM_WALKER,
 )
-from cpm_core.objects.methods.snakes import GVF_SNAKE, SNAKE
+from cpm_core.methods.snakes import GVF_SNAKE, SNAKE
+from cpm_core.numerics.real_numbers import check_finite_number
+from cpm_core.numerics.types import Texts, frozen, record
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.results.result import Result
 
 _ALL_METHODS = (
     PARTICLE_METHOD,

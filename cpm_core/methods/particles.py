@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import max_scales
-from cpm_core.objects.methods.method import START_SPACING, ContourMethod, Contours, ContourState, Start
+from cpm_core.methods.method import START_SPACING, ContourMethod, Contours, ContourState, Start
 from cpm_core.objects.partition import Partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.engine import Engine

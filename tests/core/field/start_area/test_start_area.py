@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from cpm_core.field import scale_field
+from cpm_core.field.start_area.drawn_area import drawn_area, typical_radius
+from cpm_core.field.start_area.start_area import find_start_area
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH
+from cpm_core.segmentation import local_fields
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.reach import local_fields
-from cpm_core.segmentation.reach.drawn_area import drawn_area, typical_radius
-from cpm_core.segmentation.reach.start_area import find_start_area
 
 SHAPE = PRESETS["shape"]
 ROW, COL = np.indices((96, 160))

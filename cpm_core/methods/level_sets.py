@@ -23,9 +23,7 @@ from numpy.typing import NDArray
 
 from cpm_core.field.edge_map import smoothed_gradient
 from cpm_core.image.image import Image
-from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Mask, frozen
-from cpm_core.objects.methods.method import (
+from cpm_core.methods.method import (
     ContourMethod,
     ContourState,
     Settings,
@@ -36,7 +34,9 @@ from cpm_core.objects.methods.method import (
     signed_region_distance,
     unit_edges,
 )
-from cpm_core.objects.methods.snakes import declare_field_smoothness, even_out_field, gradient_vector_flow
+from cpm_core.methods.snakes import declare_field_smoothness, even_out_field, gradient_vector_flow
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Mask, frozen
 
 MAX_FRONT_STEPS = 4000
 """Largest number of steps of a front."""

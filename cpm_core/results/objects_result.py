@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from cpm_core.contours.contour import Bridge, Contour
-from cpm_core.contours.result import Result
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image
@@ -18,6 +17,7 @@ from cpm_core.objects.outline import OBJECT_SMOOTHING
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.results.result import Result
 
 
 def objects_result(

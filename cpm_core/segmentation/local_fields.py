@@ -9,6 +9,7 @@ from threading import Lock
 import numpy as np
 
 from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, limit_field
+from cpm_core.field.start_area.start_area import find_start_area
 from cpm_core.image.pyramid import to_image
 from cpm_core.image.regions import Regions
 from cpm_core.model.plane.enclosed_regions import BARRIER_CLEARANCE
@@ -16,7 +17,6 @@ from cpm_core.model.plane.state import window_around
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Mask, record
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
-from cpm_core.segmentation.reach.start_area import find_start_area
 
 _KEPT_LOCAL_FIELDS = 6
 """Number of limited fields, and of parts of fields, that are kept: those of all scales of a run."""

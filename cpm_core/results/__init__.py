@@ -1,0 +1,7 @@
+"""Results: what a run or a selection found, and the objects in it."""
+
+from cpm_core.results.objects_result import boundaries_result as boundaries_result
+from cpm_core.results.objects_result import objects_result
+from cpm_core.results.result import Result
+
+__all__ = ["Result", "objects_result"]
