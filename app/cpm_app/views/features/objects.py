@@ -62,6 +62,9 @@ class ObjectsFeature(Feature):
         def has_objects(_: Situation) -> bool:
             return bool(objects.selected_numbers)
 
+        def has_one_with_area(_: Situation) -> bool:
+            return len(objects.selected_objects) == 1 and not objects.selected_objects[0].line
+
         def all_are(state: str) -> bool:
             return bool(objects.selected_objects) and all(getattr(item, state) for item in objects.selected_objects)
 
@@ -102,10 +105,10 @@ class ObjectsFeature(Feature):
                        visible_when=has_volume, checked_when=lambda _: brush.paints_over_others),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_similar(objects.selected_objects[0].number), "Ctrl+L",
-                       when=lambda _: len(objects.selected_objects) == 1),
+                       when=has_one_with_area),
             ActionSpec("change_object", "Objects", "Change by &clicks",
                        "Select the object again, beginning with what it is.", self._change_by_clicks,
-                       when=lambda _: len(objects.selected_objects) == 1),
+                       when=has_one_with_area),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the objects again by their own clicks, on the contours of the last run.",
                        lambda: selection.refit_objects(objects.selected_numbers),

@@ -496,6 +496,18 @@ def test_each_result_of_a_run_is_partitioned_once(window, hand, objects, monkeyp
     assert len({id(each) for each in prepared}) == len(prepared)
 
 
+def test_merged_proposals_leave_none_of_them_behind(window, hand, objects) -> None:
+    window.actions_by_name["start_grid"].trigger()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
+    hand.key(KEY.Key_M)
+    hand.wait(lambda: objects.idle)
+    (whole,) = window.session.document.objects.items
+    assert len(whole.boundary) == 2 and objects.proposals == ()
+
+
 def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> None:
     click(hand, 18, 18)
     before = objects.proposals[0].selection
