@@ -18,7 +18,7 @@ from cpm_app.session.features.contour_selection import CONTOUR_PREFERENCE, Conto
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.session.worker.requests import EDGES_CATEGORY, find_edges
-from cpm_core import Contour
+from cpm_core import Contour, Result
 from cpm_core.contours import build_path_tree
 from cpm_core.field import ScaleField
 from cpm_core.numerics import Array, PathTree, Position
@@ -46,17 +46,22 @@ class HeldCurve:
 
     Attributes
     ----------
-    item : SegmentedObject or None
-        The object of the curve; None for a contour of the run, which is not an object yet.
+    source : SegmentedObject or Result
+        The object of the curve, or the result of the run that has the contour, which is not an object yet.
     index : int
         Index of the curve among those of the object, or of the contour among those of the run.
     place : CurvePlace
         The place on it.
     """
 
-    item: SegmentedObject | None
+    source: SegmentedObject | Result
     index: int
     place: CurvePlace
+
+    @property
+    def item(self) -> SegmentedObject | None:
+        """The object; None for a contour of the run."""
+        return self.source if isinstance(self.source, SegmentedObject) else None
 
     def is_on_same_curve(self, other: HeldCurve) -> bool:
         """Return whether another place is on the same curve."""
@@ -112,9 +117,11 @@ class OutlineEditing(QObject):
             item, index, curve = curves[near]
             place = CurvePlace.from_nearest_place(curve, at)
             found.append((place.distance_to(at) - CONTOUR_PREFERENCE, HeldCurve(item, index, place)))
-        for index in self._contour_selection.contours_near(at, reach)[:1]:
-            place = CurvePlace.from_nearest_place(self._session.scene.contours[index], at)
-            found.append((place.distance_to(at), HeldCurve(None, index, place)))
+        result = self._session.scene.result
+        if result is not None:
+            for index in self._contour_selection.contours_near(at, reach)[:1]:
+                place = CurvePlace.from_nearest_place(result.contours[index], at)
+                found.append((place.distance_to(at), HeldCurve(result, index, place)))
         return min(found, key=lambda one: one[0])[1] if found else None
 
     # Lines that follow the edges
@@ -136,12 +143,9 @@ class OutlineEditing(QObject):
 
         Where it is not `snapping` to edges, the whole stretch is a gap.
         """
-        objects, result = self._session.document.objects, self._session.scene.result
-        item, index = held.item, held.index
-        if item is None and result is not None:
-            item, index = copy_contours_to_objects(objects, result, (held.index,))[0], 0
-        if item is None:
-            return
+        objects, item, index = self._session.document.objects, held.source, held.index
+        if isinstance(item, Result):
+            item, index = copy_contours_to_objects(objects, item, (index,))[0], 0
         title = object_title(objects, item)
         if item.frozen:
             frozen = tr("{name} is frozen: unfreeze it to change it.").format(name=title)

@@ -149,3 +149,13 @@ def test_a_click_on_a_contour_selects_it_and_enter_makes_an_open_object_that_can
     hand.drag((3, 9), (5, 9), (7, 9))
     _, pulled = mended.session.document.objects.items
     assert pulled.number == line.number and pulled.measure_perimeter() > 13.0
+
+
+def test_a_contour_in_hand_is_pulled_even_if_the_run_has_others_meanwhile(mended, hand) -> None:
+    hand.press(3, 9)
+    hand.move(5, 9)
+    show_contours(mended)
+    hand.move(7, 9)
+    hand.release(7, 9)
+    _, line = mended.session.document.objects.items
+    assert np.array(line.line)[:, 0].max() == pytest.approx(7.0, abs=1.0)
