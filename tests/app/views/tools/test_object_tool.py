@@ -497,7 +497,8 @@ def test_each_result_of_a_run_is_partitioned_once(window, hand, objects, monkeyp
 
 
 def test_merged_proposals_leave_none_of_them_behind(window, hand, objects) -> None:
-    window.actions_by_name["start_grid"].trigger()
+    starts = tuple(Circle(center, 4.0) for center, _ in (LARGE, SMALL))
+    window.session.edit("draw", lambda document: replace(document, shapes=starts))
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
