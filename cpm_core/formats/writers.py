@@ -379,7 +379,7 @@ def to_bytes(
     >>> cpm.to_bytes(result, ".svg")[:5]
     b'<?xml'
     """
-    file_format = next((one for one in FILE_FORMATS if one.suffix == suffix), None)
+    file_format = next((one for one in FILE_FORMATS if isinstance(suffix, str) and one.suffix == suffix), None)
     if file_format is None:
         raise ValueError(
             f"{quote_value(suffix)} names no format that can be written: choose one of {', '.join(_FORMAT_SUFFIXES)}."

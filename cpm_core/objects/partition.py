@@ -41,7 +41,7 @@ from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction,
 from cpm_core.objects.selection import Selection, compute_iou
 from cpm_core.objects.vessels import find_vessel_tree
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
-from cpm_core.parameters.formatting import format_count, format_repr, format_size
+from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
 NO_POINTS = np.empty((0, 2))
 """An empty array of points."""
@@ -364,6 +364,8 @@ class Partition(drawing.Pictured):
         )
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
+        if previous is not None and not isinstance(previous, Selection):
+            raise ValueError(f"previous is {quote_value(previous)} but must be a selection.")
         meant = within if previous is None else _replace_surrounding_points(within, previous)
         newer = None if previous is None else ~_is_among(meant, previous.inside)
         places, remark = self._resolve_points(meant, beyond, newer)

@@ -16,6 +16,7 @@ from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import Parameters, choose_parameters
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 
@@ -138,6 +139,8 @@ def select_all(
     (2, 2)
     """
     check_finite_number("min_confidence", min_confidence, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
+    if not isinstance(like, Sequence) or not all(isinstance(one, Selection) for one in like):
+        raise ValueError(f"like is {quote_value(like)} but must be a list of selections.")
     if not like:
         cut = values if isinstance(values, Partition) else _partition_from_run(as_plane(values), parameters)
         return tuple(one for one in find_objects_everywhere(cut) if one.confidence >= min_confidence)

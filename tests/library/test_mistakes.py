@@ -30,6 +30,8 @@ MISTAKES = {
         lambda: cpm.segment(IMAGE, SEEDS, method="gvf"),
         'method is "gvf" but must be one of cpm, published',
     ),
+    "no selection": (lambda: cpm.select(IMAGE, [(5, 5)], previous=3), "previous is 3 but must be a selection"),
+    "nothing alike": (lambda: cpm.select_all(IMAGE, [3]), r"like is \[3\] but must be a list of selections"),
     "no method": (lambda: cpm.run_method("x", IMAGE, cpm.Start((SEEDS,))), 'method is "x" but must be one of cpm, obj'),
 }
 

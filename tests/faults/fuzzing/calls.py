@@ -256,6 +256,7 @@ def sound() -> Mapping[str, tuple[Any, ...]]:
             (1e-200, 1.0, 1e200),
             (5e-324,) * 3,
         ),
+        "voxel_size": ((1, 1, 1), (2.0, 1.0, 0.5), (1e-200, 1.0, 1e200), (5e-324,) * 3),
         "channel": ("luminance", "red", "x"),
         "holes": (True, False),
         "outside": (True, False),
