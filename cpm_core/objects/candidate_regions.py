@@ -33,7 +33,10 @@ _MAX_HOLE_DIFFERENCE = 0.33
 """Largest difference between a hole and the surroundings, as a fraction of that between the hole and the region."""
 
 _HOLE_SHARE = 0.5
-"""Share of a region above which it lies in the holes of another, and overlap above which it is another, filled."""
+"""Share of a region above which it lies in the holes of another."""
+
+_FILLED_IOU = 0.8
+"""Overlap (intersection over union) with another and its holes above which a region is the two together."""
 
 _MIN_BODY_SHARE = 0.1
 """Least area of a body beyond a neck, as a fraction of the region."""
@@ -165,11 +168,12 @@ class CandidateRegions:
             inside = region.measure_overlap(filled)
             if not inside:
                 continue
-            own = region.measure_overlap(other)
-            if inside - own > _HOLE_SHARE * region.area:
-                if region.is_brighter_outside(self.values) != other.is_brighter_outside(self.values):
-                    return False
-            elif region.compute_iou(filled) > max(region.compute_iou(other), _HOLE_SHARE):
+            if region.compute_iou(filled) > max(region.compute_iou(other), _FILLED_IOU):
+                return False
+            in_holes = inside - region.measure_overlap(other)
+            if in_holes > _HOLE_SHARE * region.area and (
+                region.is_brighter_outside(self.values) != other.is_brighter_outside(self.values)
+            ):
                 return False
         return True
 

@@ -67,7 +67,7 @@ class RegionFeatures(NamedTuple):
     area : float
         Its area [px²].
     solidity : float
-        Its area, in areas of its convex hull.
+        Its area with its holes, in areas of its convex hull.
     border_share : float
         Share of its boundary that is the border of the image.
     strength : float

@@ -105,7 +105,7 @@ class RegionEvidence:
             likely.iou_to_previous,
             rivalry,
             region.area,
-            region.area / np.count_nonzero(skimage.morphology.convex_hull_image(region.mask)),
+            region.filled.area / np.count_nonzero(skimage.morphology.convex_hull_image(region.mask)),
             border / (border + along.size),
             float(along.mean()) / self._gray_span if along.size else 0.0,
             weak / max(usual, _TINY),

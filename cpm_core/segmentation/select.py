@@ -111,7 +111,7 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
         Image.
     like : sequence of Selection
         Some of them. Without any, particles find the contours of the whole image, unless it is a partition, and the
-        network evaluates the parts between them: likely and unambiguous objects are selected.
+        network evaluates what they bound, alone, together or with gaps: the likely objects are selected.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """How sure an object found everywhere is: the numbers of `estimate_region_confidence` are learned here.
 
 ``python tests/benchmarks/prior/found.py --outlined FOLDER... [--seed 7]`` finds the candidates for objects
-in images with labels, and in made-up nets and crowds, and learns which of them overlap with a labeled object by 0.8 or
+in images with labels, and in made-up nets, crowds and shapes, and learns which of them overlap with a labeled object by 0.8 or
 more. Each kind, which is a folder, counts in proportion to the square root of its candidates. Of kinds that the network
 has learned from, only images that were held out are used. It writes the numbers with their origin to
 `confidence_everywhere.json`, and prints for each kind what is shown and what is right if it is left out, and how well
@@ -55,7 +55,7 @@ SOURCES = (
     "axons_sem (AxonDeepSeg, MIT), cells_phase_t98g (Usiigaci, MIT), superalloy_precipitates (NASA, MIT), "
     "chloroplasts_em (WSU PlantBio ML, MIT), plant_cells_confocal and plant_nuclei_3d (PlantSeg, EMBL, MIT), "
     "sand_gravel_grains (segmenteverygrain, Apache-2.0); embryos, flakes_2d_materials, cakes_kuih, maize_kernels, "
-    "granular_ore, mushrooms_crop and nanocrystals_sem (Roboflow Universe, CC BY 4.0); made-up nets and crowds"
+    "granular_ore, mushrooms_crop and nanocrystals_sem (Roboflow Universe, CC BY 4.0); made-up nets, crowds and shapes"
 )
 """Images and their terms."""
 
@@ -116,6 +116,27 @@ def made_up_crowds(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
     return shown(values if rng.random() < 0.6 else 235 - values, rng), labels
 
 
+def made_up_shapes(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
+    """Lobed shapes that lie apart, some with a hole or a wedge cut out of them."""
+    rows, cols = np.indices((SIDE, SIDE))
+    values, labels = np.full((SIDE, SIDE), rng.uniform(15, 60)), np.zeros((SIDE, SIDE), np.int64)
+    for _ in range(60):
+        radius, (row, col) = rng.uniform(14, 50), rng.uniform(0, SIDE, 2)
+        away, angle = np.hypot(rows - row, cols - col), np.arctan2(rows - row, cols - col)
+        lobes = 1.0 + rng.uniform(0.0, 0.35) * np.sin(rng.integers(2, 7) * angle + rng.uniform(0, 6))
+        inside = away < radius * lobes
+        if (labels[away < 1.35 * radius + 6] > 0).any():
+            continue
+        cut = rng.random()
+        if cut < 0.35:
+            inside &= away > rng.uniform(0.3, 0.75) * radius * lobes
+        elif cut < 0.6:
+            inside &= np.cos(angle - rng.uniform(0, 6)) < rng.uniform(0.4, 0.95)
+        labels[inside] = labels.max() + 1
+        values[inside] += rng.uniform(60, 130)
+    return shown(values if rng.random() < 0.6 else 235 - values, rng), labels
+
+
 def shown(values: Array, rng: np.random.Generator) -> cpm.Image:
     """An image of values, blurred, unevenly lit and noisy."""
     light = scipy.ndimage.gaussian_filter(rng.normal(size=values.shape), 25)
@@ -168,7 +189,7 @@ def main() -> None:
     rng, images = np.random.default_rng(given.seed), []
     for folder in given.outlined:
         images += [candidates_of(folder.name, *each) for each in labeled_images(folder)]
-    for make in (made_up_nets, made_up_crowds):
+    for make in (made_up_nets, made_up_crowds, made_up_shapes):
         images += [candidates_of(make.__name__, *make(rng)) for _ in range(MADE_UP)]
     learn_numbers(images, given.seed)
 
