@@ -1,7 +1,8 @@
 """All objects of an image: of the regions that contours bound, and what the network makes of them, the likeliest.
 
 Each region that may be an object, and what the network changes it to, is a candidate with a probability. The likeliest
-one is an object; then the likeliest of those that do not overlap with it, and so on.
+one is an object; then the likeliest of those that do not overlap with it, and so on. What an unambiguous contour
+encloses competes as if it were at least as likely as not.
 """
 
 from __future__ import annotations
@@ -25,6 +26,9 @@ from cpm_core.objects.selection import Selection
 
 _MIN_CONFIDENCE = 0.05
 """Least probability that an object is correct."""
+
+_UNAMBIGUOUS_RANK = 0.5
+"""Least probability with which a region that an unambiguous contour encloses competes with others."""
 
 _MIN_NESTED_CONFIDENCE = 0.5
 """Least such probability of an object in another one."""
@@ -67,7 +71,7 @@ def find_objects_everywhere(partition: Partition, check: Callback = lambda: None
         yield replace(one, confidence=found.confidence)
 
 
-def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> Iterator[FoundObject]:
+def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> list[FoundObject]:
     """Find the objects of `find_objects_everywhere`, without their outlines."""
     evidence = RegionEvidence(parts.partition)
     candidates = list(predict_candidates(parts, evidence, check))
@@ -87,23 +91,22 @@ def predict_candidates(
                 yield one
 
 
-def choose_objects(
-    rated: Iterable[tuple[float, ObjectCandidate]], values: Array
-) -> Iterator[FoundObject]:
-    """Choose objects of an image, shape (H, W), among candidates with their probabilities, the likeliest first."""
+def choose_objects(rated: Iterable[tuple[float, ObjectCandidate]], values: Array) -> list[FoundObject]:
+    """Choose objects of an image, shape (H, W), among candidates with their probabilities; the likeliest come first."""
+
+    def rank(item: tuple[float, ObjectCandidate]) -> float:
+        return max(item[0], _UNAMBIGUOUS_RANK) if item[1].region.unambiguous else item[0]
+
     chosen: list[FoundObject] = []
-    for confidence, candidate in sorted(rated, key=lambda item: -item[0]):
-        if confidence < _MIN_CONFIDENCE:
-            return
-        region = _fit_between(candidate.region, chosen, confidence, values)
-        if region is not None:
-            chosen.append(FoundObject(region, candidate.prediction, confidence))
-            yield chosen[-1]
+    for confidence, candidate in sorted(rated, key=rank, reverse=True):
+        if rank((confidence, candidate)) >= _MIN_CONFIDENCE:
+            region = _fit_between(candidate.region, chosen, rank((confidence, candidate)), values)
+            if region is not None:
+                chosen.append(FoundObject(region, candidate.prediction, confidence))
+    return sorted(chosen, key=lambda found: -found.confidence)
 
 
-def _fit_between(
-    region: Region, chosen: list[FoundObject], confidence: float, values: Array
-) -> Region | None:
+def _fit_between(region: Region, chosen: list[FoundObject], confidence: float, values: Array) -> Region | None:
     """Fit a region between the objects chosen before, without the pixels of others; None where it is no object."""
     mask = region.mask.copy()
     for other in (found.region for found in chosen):
@@ -113,13 +116,19 @@ def _fit_between(
             if not nested or region.is_brighter_outside(values) != other.is_brighter_outside(values):
                 return None
         elif both:
-            whole = [slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(region.box, other.box, strict=True)]
+            whole = [
+                slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(region.box, other.box, strict=True)
+            ]
             there = other.cut_out(tuple(whole))
-            mask &= ~there[tuple(slice(a.start - w.start, a.stop - w.start) for a, w in zip(region.box, whole, strict=True))]
+            mask &= ~there[
+                tuple(slice(a.start - w.start, a.stop - w.start) for a, w in zip(region.box, whole, strict=True))
+            ]
     if np.count_nonzero(mask) < MIN_OBJECT_AREA:
         return None
     corner = tuple(side.start for side in region.box)
-    rest = region if mask.all() else Region.from_mask(find_largest_component(mask), corner, unambiguous=region.unambiguous)
+    rest = (
+        region if mask.all() else Region.from_mask(find_largest_component(mask), corner, unambiguous=region.unambiguous)
+    )
     return rest if rest.area >= MIN_OBJECT_AREA else None
 
 

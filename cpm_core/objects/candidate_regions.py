@@ -80,7 +80,9 @@ class Region(NamedTuple):
     def cut_out(self, window: Window) -> Mask:
         """Cut its pixels out of the image in a window that holds its box."""
         found = np.zeros([side.stop - side.start for side in window], bool)
-        found[tuple(slice(a.start - w.start, a.stop - w.start) for a, w in zip(self.box, window, strict=True))] = self.mask
+        found[tuple(slice(a.start - w.start, a.stop - w.start) for a, w in zip(self.box, window, strict=True))] = (
+            self.mask
+        )
         return found
 
     def measure_overlap(self, other: Region) -> int:

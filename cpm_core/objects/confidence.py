@@ -1,9 +1,9 @@
 """Confidence: the probability that an object is the intended one, estimated from a few features.
 
 The estimate is a logistic regression, with weights of their own for objects that a prompt selects and for those that
-are found everywhere. `tests/benchmarks/prior/sure.py` and `tests/benchmarks/prior/found.py` learn them from objects that
-are used for nothing else, neither training nor measurements, and write them with their origin to `confidence.json` and
-`confidence_everywhere.json`.
+are found everywhere. `tests/benchmarks/prior/sure.py` and `tests/benchmarks/prior/found.py` learn them from objects
+that are used for nothing else, neither training nor measurements, and write them with their origin to
+`confidence.json` and `confidence_everywhere.json`.
 """
 
 from __future__ import annotations

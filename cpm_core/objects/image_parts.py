@@ -135,6 +135,7 @@ class ImageParts:
                 return False
         return not self.may_change[near].any()
 
+
 def _find_inner_borders(partition: Partition) -> list[tuple[bool, ...]]:
     """Return whether the first rows and columns of an image, and the last, lie inside a larger one, shape (2, 2)."""
     parent = partition.parent

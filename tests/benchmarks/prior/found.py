@@ -1,8 +1,8 @@
 """How sure an object found everywhere is: the numbers of `estimate_region_confidence` are learned here.
 
 ``python tests/benchmarks/prior/found.py --outlined FOLDER... [--seed 7]`` finds the candidates for objects
-in images with labels, and in made-up nets, crowds and shapes, and learns which of them overlap with a labeled object by 0.8 or
-more. Each kind, which is a folder, counts in proportion to the square root of its candidates. Of kinds that the network
+in images with labels, and in made-up nets, crowds and shapes, and learns which of them overlap with a labeled object by
+0.8 or more. Each kind, which is a folder, counts in proportion to the square root of its candidates. Of kinds that the network
 has learned from, only images that were held out are used. It writes the numbers with their origin to
 `confidence_everywhere.json`, and prints for each kind what is shown and what is right if it is left out, and how well
 the objects that are then found match those labeled.
@@ -94,7 +94,9 @@ def made_up_nets(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
     lines[:-1] |= labels[:-1] != labels[1:]
     lines[:, :-1] |= labels[:, :-1] != labels[:, 1:]
     wide = scipy.ndimage.distance_transform_edt(~lines) < rng.uniform(0.8, 2.2)
-    return shown(np.where(wide, rng.uniform(30, 110), rng.normal(170, rng.uniform(2, 15), count + 1)[labels]), rng), labels
+    return shown(
+        np.where(wide, rng.uniform(30, 110), rng.normal(170, rng.uniform(2, 15), count + 1)[labels]), rng
+    ), labels
 
 
 def made_up_crowds(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
@@ -103,7 +105,11 @@ def made_up_crowds(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
     values, labels = np.full((SIDE, SIDE), rng.uniform(15, 60)), np.zeros((SIDE, SIDE), np.int64)
     radius, wanted = rng.uniform(8, 22), int(rng.integers(15, 45))
     for _ in range(400):
-        turn, (row, col), (long, short) = rng.uniform(0, np.pi), rng.uniform(0, SIDE, 2), radius * rng.uniform(0.75, 1.3, 2)
+        turn, (row, col), (long, short) = (
+            rng.uniform(0, np.pi),
+            rng.uniform(0, SIDE, 2),
+            radius * rng.uniform(0.75, 1.3, 2),
+        )
         along = (rows - row) * np.cos(turn) + (cols - col) * np.sin(turn)
         across = (cols - col) * np.cos(turn) - (rows - row) * np.sin(turn)
         inside = (along / long) ** 2 + (across / short) ** 2 < 1

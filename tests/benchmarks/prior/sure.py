@@ -26,7 +26,7 @@ import scipy
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 import cpm_core as cpm
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Index, Mask
 from cpm_core.objects import confidence
 from tests.benchmarks.prior import pictures
 from tests.benchmarks.prior.drawn import clean, drawn

@@ -30,9 +30,7 @@ def test_an_object_is_the_surer_the_more_speaks_for_it(feature, features, more):
 
 @given(features=REGION_FEATURES, more=SHARE)
 def test_a_region_is_the_surer_the_larger_the_predicted_overlap_and_the_fewer_its_rivals(features, more):
-    better = features._replace(
-        predicted_iou=max(more, features.predicted_iou), rivalry=min(more, features.rivalry)
-    )
+    better = features._replace(predicted_iou=max(more, features.predicted_iou), rivalry=min(more, features.rivalry))
     assert 0.0 < estimate_region_confidence(features) <= estimate_region_confidence(better) < 1.0
 
 
