@@ -2,7 +2,7 @@
 
 Each region that may be an object, and what the network changes it to, is a candidate with a probability. The likeliest
 one is an object; then the likeliest of those that do not overlap with it, and so on. What an unambiguous contour
-encloses competes as if it were at least as likely as not.
+encloses without a neck competes as if it were at least as likely as not.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import scipy
 from cpm_core.numerics.grids import bounding_window
 from cpm_core.numerics.types import Array, Callback, Mask
 from cpm_core.objects.candidate_regions import CandidateRegions, Region
-from cpm_core.objects.confidence import ConfidenceFeatures, estimate_region_confidence
+from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures, estimate_region_confidence
 from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.prior.object_predictor import Prediction
@@ -75,8 +75,9 @@ def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> lis
     """Find the objects of `find_objects_everywhere`, without their outlines."""
     evidence = RegionEvidence(parts.partition)
     candidates = list(predict_candidates(parts, evidence, check))
-    confidences = map(estimate_region_confidence, evidence.measure_candidates(candidates))
-    return choose_objects(zip(confidences, candidates, strict=True), parts.partition.values)
+    features = evidence.measure_candidates(candidates)
+    rated = map(RatedCandidate, candidates, features, map(estimate_region_confidence, features))
+    return choose_objects(rated, parts.partition.values)
 
 
 def predict_candidates(
@@ -91,18 +92,27 @@ def predict_candidates(
                 yield one
 
 
-def choose_objects(rated: Iterable[tuple[float, ObjectCandidate]], values: Array) -> list[FoundObject]:
-    """Choose objects of an image, shape (H, W), among candidates with their probabilities; the likeliest come first."""
+class RatedCandidate(NamedTuple):
+    """A candidate, what was measured of it, and the probability that it is an object."""
 
-    def rank(item: tuple[float, ObjectCandidate]) -> float:
-        return max(item[0], _UNAMBIGUOUS_RANK) if item[1].region.unambiguous else item[0]
+    candidate: ObjectCandidate
+    features: RegionFeatures
+    confidence: float
 
+    @property
+    def rank(self) -> float:
+        """Probability with which it competes with others."""
+        unambiguous = self.features.unambiguous and not self.features.has_neck
+        return max(self.confidence, _UNAMBIGUOUS_RANK) if unambiguous else self.confidence
+
+
+def choose_objects(rated: Iterable[RatedCandidate], values: Array) -> list[FoundObject]:
+    """Choose objects among the candidates of an image, shape (H, W); the likeliest come first."""
     chosen: list[FoundObject] = []
-    for confidence, candidate in sorted(rated, key=rank, reverse=True):
-        if rank((confidence, candidate)) >= _MIN_CONFIDENCE:
-            region = _fit_between(candidate.region, chosen, rank((confidence, candidate)), values)
-            if region is not None:
-                chosen.append(FoundObject(region, candidate.prediction, confidence))
+    for one in sorted(rated, key=lambda one: -one.rank):
+        region = _fit_between(one.candidate.region, chosen, one.rank, values) if one.rank >= _MIN_CONFIDENCE else None
+        if region is not None:
+            chosen.append(FoundObject(region, one.candidate.prediction, one.confidence))
     return sorted(chosen, key=lambda found: -found.confidence)
 
 

@@ -128,7 +128,7 @@ class CandidateRegions:
     regions : list of Region
         The regions, each once.
     pierced : list of Region
-        Those with holes through which the surroundings are seen.
+        Those with a hole through which the surroundings are seen.
     values : ndarray, shape (H, W)
         Gray levels of the image.
     """
@@ -150,7 +150,7 @@ class CandidateRegions:
         for region in bounded:
             found._add_region(region, _MAX_REGION_SHARE * math.prod(whole))
         for region in tuple(found.regions):
-            for body in _split_region(region):
+            for body in split_region(region):
                 found._add_region(body, _MAX_REGION_SHARE * math.prod(whole))
         return found
 
@@ -181,12 +181,17 @@ class CandidateRegions:
 
 
 def _is_pierced(region: Region, values: Array) -> bool:
-    """Return whether a region has holes that are about as bright as its surroundings in an image, shape (H, W)."""
-    holes = region._replace(mask=region.filled.mask & ~region.mask)
-    if holes.area < MIN_OBJECT_AREA:
+    """Return whether a region has a hole that is about as bright as its surroundings in an image, shape (H, W).
+
+    Lines with several holes are a net, in which these may be objects.
+    """
+    parts, count = scipy.ndimage.label(region.filled.mask & ~region.mask)
+    large = np.flatnonzero(np.bincount(parts.ravel())[1:] >= MIN_OBJECT_AREA) + 1 if count else ()
+    if len(large) != 1:
         return False
     inner, outer = region.measure_rim_levels(values)
-    seen, _ = Region.from_mask(holes.mask, tuple(side.start for side in holes.box)).measure_rim_levels(values)
+    hole = Region.from_mask(parts == large[0], tuple(side.start for side in region.box))
+    seen, _ = hole.measure_rim_levels(values)
     return abs(seen - outer) < _MAX_HOLE_DIFFERENCE * abs(seen - inner)
 
 
@@ -229,8 +234,8 @@ def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[Region]:
         yield Region.from_mask(mask, tuple(corner.tolist()))
 
 
-def _split_region(region: Region) -> Iterator[Region]:
-    """Split a region at its necks into bodies that may be objects."""
+def split_region(region: Region) -> Iterator[Region]:
+    """Split a region at its necks into bodies that may be objects; yields nothing where it has no neck."""
     least = max(MIN_OBJECT_AREA, _MIN_BODY_SHARE * region.area)
     if region.area < 2 * MIN_OBJECT_AREA:
         return

@@ -78,6 +78,8 @@ class RegionFeatures(NamedTuple):
         Standard deviation of the gray levels inside, in differences between white and black.
     unambiguous : bool
         Whether an unambiguous contour encloses it.
+    has_neck : bool
+        Whether it has bodies on both sides of a neck.
     """
 
     predicted_iou: float
@@ -92,6 +94,7 @@ class RegionFeatures(NamedTuple):
     inside: float
     variation: float
     unambiguous: bool
+    has_neck: bool
 
 
 def encode_features(signs: ConfidenceFeatures) -> Array:
@@ -107,14 +110,23 @@ def estimate_confidence(signs: ConfidenceFeatures) -> float:
 
 
 def encode_region(signs: RegionFeatures) -> Array:
-    """Encode the features of a region as inputs of the logistic regression, shape (12,)."""
+    """Encode the features of a region as inputs of the logistic regression, shape (13,)."""
     shares = scipy.special.logit(np.clip(signs[:3], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
     rest = signs.solidity, signs.border_share, np.log(signs.strength + _FAINT), signs.weakest
     size = np.log(min(signs.area, _LARGE_AREA))
     inner = min(signs.inside, _MAX_INSIDE)
     return np.array(
-        [*shares, signs.rivalry, size, *rest, inner, np.log(signs.variation + _FAINT), float(signs.unambiguous)]
-    )
+        [
+            *shares,
+            signs.rivalry,
+            size,
+            *rest,
+            inner,
+            np.log(signs.variation + _FAINT),
+            signs.unambiguous,
+            signs.has_neck,
+        ]
+    ).astype(float)
 
 
 def estimate_region_confidence(signs: RegionFeatures) -> float:

@@ -12,7 +12,7 @@ import skimage
 from cpm_core.field.edge_map import edge_map
 from cpm_core.numerics.grids import Window, expand_window
 from cpm_core.numerics.types import Array, Extent, Mask, record
-from cpm_core.objects.candidate_regions import Region
+from cpm_core.objects.candidate_regions import Region, split_region
 from cpm_core.objects.confidence import RegionFeatures
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
@@ -23,6 +23,9 @@ _MARGIN = 5
 
 _INNER_DEPTH = 3.5
 """Depth from which edges are those of the inside, not of the boundary [px]."""
+
+_NECK_SOLIDITY = 0.97
+"""Solidity from which a region has no neck."""
 
 _TINY = 1e-6
 """Least strength, or difference of gray levels, that others are divided by."""
@@ -99,19 +102,21 @@ class RegionEvidence:
         along = scipy.ndimage.maximum_filter(strength, 3)[rim]
         usual, weak = np.percentile(along, [50.0, _WEAK_PERCENTILE]) if along.size else (0.0, 0.0)
         likely = candidate.prediction
+        solidity = region.filled.area / np.count_nonzero(skimage.morphology.convex_hull_image(region.mask))
         return RegionFeatures(
             likely.predicted_iou,
             likely.mean_certainty,
             likely.iou_to_previous,
             rivalry,
             region.area,
-            region.filled.area / np.count_nonzero(skimage.morphology.convex_hull_image(region.mask)),
+            solidity,
             border / (border + along.size),
             float(along.mean()) / self._gray_span if along.size else 0.0,
             weak / max(usual, _TINY),
             float(np.percentile(deep, _STRONG_PERCENTILE)) / max(usual, _TINY) if deep.size else 1.0,
             float(values[mask].std()) / self._gray_span,
             region.unambiguous,
+            solidity < _NECK_SOLIDITY and any(split_region(region)),
         )
 
     @cached_property

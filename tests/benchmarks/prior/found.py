@@ -2,8 +2,8 @@
 
 ``python tests/benchmarks/prior/found.py --outlined FOLDER... [--seed 7]`` finds the candidates for objects
 in images with labels, and in made-up nets, crowds and shapes, and learns which of them overlap with a labeled object by
-0.8 or more. Each kind, which is a folder, counts in proportion to the square root of its candidates. Of kinds that the network
-has learned from, only images that were held out are used. It writes the numbers with their origin to
+0.8 or more. Each kind, which is a folder, counts in proportion to the square root of its candidates. Of kinds that the
+network has learned from, only images that were held out are used. It writes the numbers with their origin to
 `confidence_everywhere.json`, and prints for each kind what is shown and what is right if it is left out, and how well
 the objects that are then found match those labeled.
 """
@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 import cpm_core as cpm
 from cpm_core.numerics.types import Array, Index
 from cpm_core.objects import confidence
-from cpm_core.objects.all_objects import choose_objects, predict_candidates
+from cpm_core.objects.all_objects import RatedCandidate, choose_objects, predict_candidates
 from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.region_evidence import ObjectCandidate, RegionEvidence
 from tests.benchmarks.prior.regression import curve, learned
@@ -176,7 +176,8 @@ def stacked(images: Sequence[Candidates]) -> tuple[Array, Array, Array]:
 def score(image: Candidates, shown_as: Array) -> float:
     """F1 at an overlap of 0.5 of the objects that are chosen with some probabilities."""
     areas, hit, count = np.bincount(image.labels.ravel()), set(), 0
-    for one in choose_objects(zip(shown_as.tolist(), image.candidates, strict=True), image.evidence.partition.values):
+    rated = map(RatedCandidate, image.candidates, image.signs, shown_as.tolist())
+    for one in choose_objects(rated, image.evidence.partition.values):
         count += 1
         common = np.bincount(image.labels[one.region.box][one.region.mask], minlength=len(areas))
         overlap = common / (one.region.area + areas - common)

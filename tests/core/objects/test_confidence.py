@@ -17,7 +17,7 @@ from cpm_core.objects.confidence import (
 SHARE = st.floats(0.0, 1.0)
 FEATURES = st.builds(ConfidenceFeatures, SHARE, SHARE, SHARE, SHARE, st.integers(0, 20), st.booleans())
 REGION_FEATURES = st.builds(
-    RegionFeatures, SHARE, SHARE, SHARE, SHARE, st.floats(30.0, 1e6), *[SHARE] * 6, st.booleans()
+    RegionFeatures, SHARE, SHARE, SHARE, SHARE, st.floats(30.0, 1e6), *[SHARE] * 6, st.booleans(), st.booleans()
 )
 
 
