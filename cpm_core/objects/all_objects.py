@@ -16,7 +16,7 @@ import scipy
 
 from cpm_core.numerics.grids import bounding_window
 from cpm_core.numerics.types import Array, Callback, Mask
-from cpm_core.objects.candidate_regions import CandidateRegions, Region
+from cpm_core.objects.candidate_regions import BoundedRegion, CandidateRegions
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures, estimate_region_confidence
 from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
 from cpm_core.objects.partition import Partition
@@ -49,7 +49,7 @@ _MAX_SHARED_RIM = 0.3
 class FoundObject(NamedTuple):
     """An object found everywhere: pixels, prediction of the network for them, and probability that it is one."""
 
-    region: Region
+    region: BoundedRegion
     prediction: Prediction
     confidence: float
 
@@ -116,7 +116,9 @@ def choose_objects(rated: Iterable[RatedCandidate], values: Array) -> list[Found
     return sorted(chosen, key=lambda found: -found.confidence)
 
 
-def _fit_between(region: Region, chosen: list[FoundObject], confidence: float, values: Array) -> Region | None:
+def _fit_between(
+    region: BoundedRegion, chosen: list[FoundObject], confidence: float, values: Array
+) -> BoundedRegion | None:
     """Fit a region between the objects chosen before, without the pixels of others; None where it is no object."""
     mask = region.mask.copy()
     for other in (found.region for found in chosen):
@@ -137,12 +139,14 @@ def _fit_between(region: Region, chosen: list[FoundObject], confidence: float, v
         return None
     corner = tuple(side.start for side in region.box)
     rest = (
-        region if mask.all() else Region.from_mask(find_largest_component(mask), corner, unambiguous=region.unambiguous)
+        region
+        if mask.all()
+        else BoundedRegion.from_mask(find_largest_component(mask), corner, unambiguous=region.unambiguous)
     )
     return rest if rest.area >= MIN_OBJECT_AREA else None
 
 
-def _is_nested(one: Region, two: Region) -> bool:
+def _is_nested(one: BoundedRegion, two: BoundedRegion) -> bool:
     """Return whether one of two regions that overlap lies deep in the other."""
     both = one.measure_overlap(two)
     small, large = (one, two) if one.area < two.area else (two, one)

@@ -23,10 +23,10 @@ from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
 _MAX_REGION_SHARE = 0.9
 """Largest share of the image that a region covers."""
 
-_DUPLICATE_IOU = 0.9
+_SAME_REGION_IOU = 0.9
 """Overlap (intersection over union) above which two regions are the same."""
 
-_RIM_WIDTH = 3
+_LEVEL_RIM_WIDTH = 3
 """Width of the rims on both sides of a boundary whose gray levels are compared [px]."""
 
 _MAX_HOLE_DIFFERENCE = 0.33
@@ -42,7 +42,7 @@ _MIN_BODY_SHARE = 0.1
 """Least area of a body beyond a neck, as a fraction of the region."""
 
 
-class Region(NamedTuple):
+class BoundedRegion(NamedTuple):
     """Pixels of an image: `mask` in a `box`, and whether an unambiguous contour encloses them."""
 
     box: Window
@@ -50,7 +50,7 @@ class Region(NamedTuple):
     unambiguous: bool = False
 
     @classmethod
-    def from_mask(cls, mask: Mask, corner: tuple[int, ...] = (0, 0), *, unambiguous: bool = False) -> Region:
+    def from_mask(cls, mask: Mask, corner: tuple[int, ...] = (0, 0), *, unambiguous: bool = False) -> BoundedRegion:
         """Make the region of the true pixels of a mask whose first pixel is at a corner of the image."""
         box = bounding_window(mask)
         place = tuple(slice(side.start + at, side.stop + at) for side, at in zip(box, corner, strict=True))
@@ -67,7 +67,7 @@ class Region(NamedTuple):
         return not np.array_equal(self.filled.mask, self.mask)
 
     @property
-    def filled(self) -> Region:
+    def filled(self) -> BoundedRegion:
         """The region with its holes."""
         return self._replace(mask=scipy.ndimage.binary_fill_holes(self.mask))
 
@@ -85,7 +85,7 @@ class Region(NamedTuple):
         )
         return found
 
-    def measure_overlap(self, other: Region) -> int:
+    def measure_overlap(self, other: BoundedRegion) -> int:
         """Measure the number of pixels that it has in common with another."""
         low = [max(a.start, b.start) for a, b in zip(self.box, other.box, strict=True)]
         high = [min(a.stop, b.stop) for a, b in zip(self.box, other.box, strict=True)]
@@ -97,7 +97,7 @@ class Region(NamedTuple):
         )
         return int(np.count_nonzero(one & two))
 
-    def compute_iou(self, other: Region) -> float:
+    def compute_iou(self, other: BoundedRegion) -> float:
         """Compute the overlap (intersection over union) with another."""
         both = self.measure_overlap(other)
         return both / (self.area + other.area - both)
@@ -109,10 +109,10 @@ class Region(NamedTuple):
 
     def measure_rim_levels(self, values: Array) -> tuple[float, float]:
         """Measure the mean gray level inside and outside of its outer boundary, in an image of shape (H, W)."""
-        window = expand_window(self.box, _RIM_WIDTH, values.shape)
+        window = expand_window(self.box, _LEVEL_RIM_WIDTH, values.shape)
         mask = self.filled.cut_out(window)
-        core = scipy.ndimage.binary_erosion(mask, iterations=_RIM_WIDTH, border_value=1)
-        around = scipy.ndimage.binary_dilation(mask, iterations=_RIM_WIDTH) & ~mask
+        core = scipy.ndimage.binary_erosion(mask, iterations=_LEVEL_RIM_WIDTH, border_value=1)
+        around = scipy.ndimage.binary_dilation(mask, iterations=_LEVEL_RIM_WIDTH) & ~mask
         rim = self.cut_out(window) & ~core
         levels = (float(values[window][part].mean()) if part.any() else math.nan for part in (rim, around))
         inner, outer = levels
@@ -125,16 +125,16 @@ class CandidateRegions:
 
     Attributes
     ----------
-    regions : list of Region
+    regions : list of BoundedRegion
         The regions, each once.
-    pierced : list of Region
+    pierced : list of BoundedRegion
         Those with a hole through which the surroundings are seen.
     values : ndarray, shape (H, W)
         Gray levels of the image.
     """
 
-    regions: list[Region]
-    pierced: list[Region]
+    regions: list[BoundedRegion]
+    pierced: list[BoundedRegion]
     values: Array
 
     @classmethod
@@ -154,16 +154,16 @@ class CandidateRegions:
                 found._add_region(body, _MAX_REGION_SHARE * math.prod(whole))
         return found
 
-    def _add_region(self, region: Region, most: float) -> None:
+    def _add_region(self, region: BoundedRegion, most: float) -> None:
         """Add a region unless it is too small, too large, known, or no object."""
         area = region.area
         if not MIN_OBJECT_AREA <= area <= most or not self.may_be_object(region):
             return
-        alike = (one for one in self.regions if _DUPLICATE_IOU * area <= one.area <= area / _DUPLICATE_IOU)
-        if not any(region.compute_iou(one) >= _DUPLICATE_IOU for one in alike):
+        alike = (one for one in self.regions if _SAME_REGION_IOU * area <= one.area <= area / _SAME_REGION_IOU)
+        if not any(region.compute_iou(one) >= _SAME_REGION_IOU for one in alike):
             self.regions.append(region)
 
-    def may_be_object(self, region: Region) -> bool:
+    def may_be_object(self, region: BoundedRegion) -> bool:
         """Return whether a region is neither a hole of another nor another with its holes."""
         for other in self.pierced:
             filled = other.filled
@@ -180,7 +180,7 @@ class CandidateRegions:
         return True
 
 
-def _is_pierced(region: Region, values: Array) -> bool:
+def _is_pierced(region: BoundedRegion, values: Array) -> bool:
     """Return whether a region has a hole that is about as bright as its surroundings in an image, shape (H, W).
 
     Lines with several holes are a net, in which these may be objects.
@@ -190,16 +190,16 @@ def _is_pierced(region: Region, values: Array) -> bool:
     if len(large) != 1:
         return False
     inner, outer = region.measure_rim_levels(values)
-    hole = Region.from_mask(parts == large[0], tuple(side.start for side in region.box))
+    hole = BoundedRegion.from_mask(parts == large[0], tuple(side.start for side in region.box))
     seen, _ = hole.measure_rim_levels(values)
     return abs(seen - outer) < _MAX_HOLE_DIFFERENCE * abs(seen - inner)
 
 
-def _find_bounded_regions(parts: ImageParts) -> Iterator[Region]:
+def _find_bounded_regions(parts: ImageParts) -> Iterator[BoundedRegion]:
     """Find all that contours bound, with duplicates."""
     partition = parts.partition
     for mask in partition.find_unambiguous_objects():
-        yield Region.from_mask(mask, unambiguous=True)
+        yield BoundedRegion.from_mask(mask, unambiguous=True)
     for contour in partition.contours:
         if contour.closed and len(contour.points) > 2:
             yield from _fill_rings([contour.points], partition.interest)
@@ -215,11 +215,11 @@ def _find_bounded_regions(parts: ImageParts) -> Iterator[Region]:
     for box, mask in parts.masks:
         inside = mask & partition.interest[box]
         if inside.any():
-            part = Region.from_mask(inside, tuple(side.start for side in box))
+            part = BoundedRegion.from_mask(inside, tuple(side.start for side in box))
             yield part if _is_pierced(part, partition.values) else part.filled
 
 
-def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[Region]:
+def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[BoundedRegion]:
     """Fill the first of some rings, each of shape (K, 2) [px], without what is in the others, where it holds pixels."""
     corner = np.maximum(np.floor(rings[0].min(axis=0)).astype(int), 0)
     end = np.minimum(np.ceil(rings[0].max(axis=0)).astype(int) + 1, interest.shape)
@@ -231,10 +231,10 @@ def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[Region]:
         mask[skimage.draw.polygon(rows, cols, mask.shape)] = number == 0  # type: ignore[no-untyped-call]
     mask &= interest[tuple(map(slice, corner.tolist(), end.tolist()))]
     if mask.any():
-        yield Region.from_mask(mask, tuple(corner.tolist()))
+        yield BoundedRegion.from_mask(mask, tuple(corner.tolist()))
 
 
-def split_region(region: Region) -> Iterator[Region]:
+def split_region(region: BoundedRegion) -> Iterator[BoundedRegion]:
     """Split a region at its necks into bodies that may be objects; yields nothing where it has no neck."""
     least = max(MIN_OBJECT_AREA, _MIN_BODY_SHARE * region.area)
     if region.area < 2 * MIN_OBJECT_AREA:
@@ -242,4 +242,4 @@ def split_region(region: Region) -> Iterator[Region]:
     bodies = split_at_necks(np.pad(region.mask, 1))[1:-1, 1:-1]
     large = np.flatnonzero(np.bincount(bodies.ravel())[1:] >= least) + 1
     for number in large.tolist() if len(large) > 1 else ():
-        yield Region.from_mask(bodies == number, tuple(side.start for side in region.box))
+        yield BoundedRegion.from_mask(bodies == number, tuple(side.start for side in region.box))

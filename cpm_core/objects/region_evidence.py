@@ -12,7 +12,7 @@ import skimage
 from cpm_core.field.edge_map import edge_map
 from cpm_core.numerics.grids import Window, expand_window
 from cpm_core.numerics.types import Array, Extent, Mask, record
-from cpm_core.objects.candidate_regions import Region, split_region
+from cpm_core.objects.candidate_regions import BoundedRegion, split_region
 from cpm_core.objects.confidence import RegionFeatures
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
@@ -43,7 +43,7 @@ class ObjectCandidate:
 
     Attributes
     ----------
-    region : Region
+    region : BoundedRegion
         Its pixels.
     prediction : Prediction
         Prediction of the network with this region, or the one that it was changed from, as the previous mask.
@@ -51,7 +51,7 @@ class ObjectCandidate:
         Overlap of the region with an object that the network predicts.
     """
 
-    region: Region
+    region: BoundedRegion
     prediction: Prediction
     likelihood: float
 
@@ -68,7 +68,7 @@ class RegionEvidence:
 
     partition: Partition
 
-    def predict_candidates(self, region: Region) -> Iterator[ObjectCandidate]:
+    def predict_candidates(self, region: BoundedRegion) -> Iterator[ObjectCandidate]:
         """Predict by the network how likely a region is, and, unless that is exact, what it would change it to."""
         found = self.partition.evaluate_mask(region.paste(self.partition.shape))
         yield ObjectCandidate(region, found, found.predicted_iou * found.iou_to_previous)
@@ -77,7 +77,7 @@ class RegionEvidence:
         mask = found.mask & self.partition.interest
         mask[region.box] &= ~(region.filled.mask & ~region.mask)
         if mask.any():
-            changed = Region.from_mask(find_largest_component(mask))
+            changed = BoundedRegion.from_mask(find_largest_component(mask))
             yield ObjectCandidate(changed if region.has_holes else changed.filled, found, found.predicted_iou)
 
     def measure_candidates(self, candidates: Sequence[ObjectCandidate]) -> list[RegionFeatures]:
