@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import bounding_window
+from cpm_core.numerics.grids import bounding_window, expand_window
 from cpm_core.numerics.types import Array, Callback, Mask
 from cpm_core.objects.candidate_regions import BoundedRegion, CandidateRegions
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures, estimate_region_confidence
@@ -29,6 +29,12 @@ _MIN_CONFIDENCE = 0.05
 
 _UNAMBIGUOUS_RANK = 0.5
 """Least probability with which a region that an unambiguous contour encloses competes with others."""
+
+_MIN_CERTAIN_CONFIDENCE = 0.3
+"""Least probability with which a region may lie between objects whose edges rise the other way."""
+
+_TOUCHING_DISTANCE = 3
+"""Distance up to which two regions touch [px]."""
 
 _MIN_NESTED_CONFIDENCE = 0.5
 """Least such probability of an object in another one."""
@@ -120,6 +126,8 @@ def _fit_between(
     region: BoundedRegion, chosen: list[FoundObject], confidence: float, values: Array
 ) -> BoundedRegion | None:
     """Fit a region between the objects chosen before, without the pixels of others; None where it is no object."""
+    if confidence < _MIN_CERTAIN_CONFIDENCE and _is_background(region, chosen, values):
+        return None
     mask = region.mask.copy()
     for other in (found.region for found in chosen):
         both = region.measure_overlap(other)
@@ -144,6 +152,15 @@ def _fit_between(
         else BoundedRegion.from_mask(find_largest_component(mask), corner, unambiguous=region.unambiguous)
     )
     return rest if rest.area >= MIN_OBJECT_AREA else None
+
+
+def _is_background(region: BoundedRegion, chosen: list[FoundObject], values: Array) -> bool:
+    """Return whether a region lies between objects whose edges all rise the other way, in an image of shape (H, W)."""
+    window = expand_window(region.box, _TOUCHING_DISTANCE, values.shape)
+    near = BoundedRegion(window, scipy.ndimage.binary_dilation(region.cut_out(window), iterations=_TOUCHING_DISTANCE))
+    touched = [found.region for found in chosen if near.measure_overlap(found.region)]
+    rises = region.is_brighter_outside(values) if len(touched) > 1 else False
+    return len(touched) > 1 and all(other.is_brighter_outside(values) != rises for other in touched)
 
 
 def _is_nested(one: BoundedRegion, two: BoundedRegion) -> bool:
