@@ -33,8 +33,8 @@ _UNAMBIGUOUS_RANK = 0.5
 _MIN_CERTAIN_CONFIDENCE = 0.3
 """Least probability with which a region may lie between objects whose edges rise the other way."""
 
-_TOUCHING_DISTANCE = 3
-"""Distance up to which two regions touch [px]."""
+_NEXT_DISTANCE = 3
+"""Distance up to which two regions lie next to each other [px]."""
 
 _MIN_NESTED_CONFIDENCE = 0.5
 """Least such probability of an object in another one."""
@@ -156,8 +156,8 @@ def _fit_between(
 
 def _is_background(region: BoundedRegion, chosen: list[FoundObject], values: Array) -> bool:
     """Return whether a region lies between objects whose edges all rise the other way, in an image of shape (H, W)."""
-    window = expand_window(region.box, _TOUCHING_DISTANCE, values.shape)
-    near = BoundedRegion(window, scipy.ndimage.binary_dilation(region.cut_out(window), iterations=_TOUCHING_DISTANCE))
+    window = expand_window(region.box, _NEXT_DISTANCE, values.shape)
+    near = BoundedRegion(window, scipy.ndimage.binary_dilation(region.cut_out(window), iterations=_NEXT_DISTANCE))
     touched = [found.region for found in chosen if near.measure_overlap(found.region)]
     rises = region.is_brighter_outside(values) if len(touched) > 1 else False
     return len(touched) > 1 and all(other.is_brighter_outside(values) != rises for other in touched)
