@@ -155,13 +155,16 @@ class SegmentedObject:
     def mask(self, shape: Extent) -> Mask:
         """Return the pixels or voxels of an image or a volume of this shape whose centers lie inside."""
         found = np.zeros(shape, bool)
-        for packed in self.surface:
-            packed.voxels.fill_into(found)
-        if self.surface:
-            return found
-        (top, left), window = self._rasterize_window(shape)
-        found[top : top + window.shape[0], left : left + window.shape[1]] = window
+        self.fill_into(found)
         return found
+
+    def fill_into(self, mask: Mask) -> None:
+        """Set the pixels or voxels of a mask whose centers lie inside."""
+        for packed in self.surface:
+            packed.voxels.fill_into(mask)
+        if not self.surface:
+            (top, left), window = self._rasterize_window(mask.shape)
+            mask[top : top + window.shape[0], left : left + window.shape[1]] |= window
 
     @property
     def outer_curves(self) -> tuple[Line, ...]:
@@ -280,6 +283,8 @@ class SegmentedObjects:
         Rejected objects, which are not proposed again.
     taken : int
         Numbers up to this one are reserved for objects on other pages.
+    may_overlap : bool
+        Whether what is selected or painted may run over other objects, unless these are frozen.
 
     Raises
     ------
@@ -294,6 +299,7 @@ class SegmentedObjects:
     edited: int = 0
     rejected: tuple[SegmentedObject, ...] = ()
     taken: int = 0
+    may_overlap: bool = False
 
     def __post_init__(self) -> None:
         if len(self.classes) != CLASS_COUNT:

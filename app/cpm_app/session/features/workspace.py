@@ -27,7 +27,7 @@ class Workspace:
         self.hand_editing = HandEditing(self.session, self.review)
         self.object_list = ObjectList(self.session, self.review)
         self.object_brush = ObjectBrush(self.session, self.object_list)
-        self.object_commands = ObjectCommands(self.session, self.review, self.object_list, self.object_brush)
+        self.object_commands = ObjectCommands(self.session, self.review, self.object_list)
         self.pages = StackPages(self.session, self.review)
         self.followed_objects = FollowedObjects(self.session, self.pages)
         self.object_selection = ObjectSelection(self.session, self.object_list, self.pages, self.followed_objects)

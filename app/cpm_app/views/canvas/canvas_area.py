@@ -204,7 +204,8 @@ class CanvasArea(QWidget):
             self._workspace.object_list,
         )
         given, self._has_focus_from_field = self._has_focus_from_field, False
-        accepts = key in ENTER_KEYS and not keyed and (objects.pending_rows or objects.selected_keys)
+        pending = objects.pending_rows or self._selection.selecting
+        accepts = key in ENTER_KEYS and not keyed and (pending or objects.selected_keys)
         if given and accepts:
             self._session.messages.show(tr("The value is set. Enter accepts the proposal."))
             return True
@@ -212,8 +213,8 @@ class CanvasArea(QWidget):
         if tool.has_draft and key in _DRAFT_KEYS and ends:
             (tool.remove_last_part if key == Qt.Key.Key_Backspace else tool.finish)()
         elif accepts:
-            if objects.pending_rows:  # objects are accepted already
-                self._workspace.object_commands.accept_pending()
+            if pending:  # objects are accepted already
+                self._selection.do_in_order(self._workspace.object_commands.accept_pending)
         elif key in ENTER_KEYS:
             self.canvas.dispatcher.set_modifiers(held)
             (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()

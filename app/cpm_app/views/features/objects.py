@@ -87,14 +87,14 @@ class ObjectsFeature(Feature):
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals and closed contours as objects, and keep open contours; Enter "
                        "does the same.",
-                       commands.accept_pending,
+                       partial(selection.do_in_order, commands.accept_pending),
                        when=lambda _: bool(selection.proposals)
                        or has_selected("proposal", "closed", "open", "rejected")),
             ActionSpec("reject", "Objects", "&Reject",
                        "Dismiss proposals, remove objects, and exclude contours from exports; none is "
                        "proposed again.",
-                       commands.reject_selected, "X",
-                       when=lambda _: bool(objects.selected_keys or selection.proposals)),
+                       partial(selection.do_in_order, commands.reject_selected), "X",
+                       when=lambda _: bool(objects.selected_keys or selection.proposals or selection.selecting)),
             ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
                        self.ask_for_name, "F2", gap=True, when=has_selection),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
@@ -115,10 +115,6 @@ class ObjectsFeature(Feature):
                        "Paint balls through all slices with the brush, or disks in one slice.",
                        brush.toggle_space, "Shift+J", short=tr("In space"),
                        visible_when=has_volume, checked_when=lambda _: brush.paints_in_space),
-            ActionSpec("paint_over", "Objects", "Paint &over others",
-                       "Take what the brush goes over from other objects that are not frozen, or leave it to them.",
-                       brush.toggle_over_others, short=tr("Over others"),
-                       visible_when=has_volume, checked_when=lambda _: brush.paints_over_others),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_similar(objects.selected_objects[0].number), "Ctrl+L",
                        when=lambda _: len(objects.selected_objects) == 1),
@@ -153,9 +149,13 @@ class ObjectsFeature(Feature):
             ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
                        "Select one row of the table after the other.",
                        self.select_next, "Shift+N", when=has_image),
+            ActionSpec("objects_overlap", "Objects", "Objects may o&verlap",
+                       "Let clicks, proposals and the brush run over accepted objects that are not frozen; in a "
+                       "volume, the brush takes voxels from them.",
+                       commands.toggle_overlap, gap=True, checked_when=lambda _: objects.objects.may_overlap),
             ActionSpec("show_rejected", "Objects", "&Show rejected",
                        "Show rejected objects and contours faintly, or hide them.",
-                       lambda: layer.set_option("rejected", not layer.option_values["rejected"]), gap=True,
+                       lambda: layer.set_option("rejected", not layer.option_values["rejected"]),
                        checked_when=lambda _: bool(layer.option_values["rejected"])),
             ActionSpec("drop_missed_edits", "Objects", "Remove outdated edits",
                        "Remove manual edits that no longer match a contour, with their lines.",
@@ -186,7 +186,7 @@ class ObjectsFeature(Feature):
             return False
         key, selecting = event.key(), tool.name in _SELECTION_TOOLS
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._object_list.objects.classes):
-            self._commands.classify_selected(key - Qt.Key.Key_0)
+            self._selection.do_in_order(partial(self._commands.classify_selected, key - Qt.Key.Key_0))
         elif key in DELETE_KEYS and len(self._editing.marked_places) == 2:
             self._editing.delete_stretch()
         elif selecting and key in DELETE_KEYS and self._object_list.selected_keys and not tool.has_draft:

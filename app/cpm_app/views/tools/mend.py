@@ -73,6 +73,8 @@ class MendTool(RingTool):
         """The place of a line that is under the pointer, or in hand."""
         self._item: SegmentedObject | None = None
         """The object whose boundary that is, or that the brush would paint; None for a contour or a new object."""
+        self._obstacle = ""
+        """Why the brush would do nothing here, as a sentence."""
         self._pressed: Position | None = None
         self._dragged = False
         self._way = self._editing.path_from((0.0, 0.0))
@@ -107,6 +109,8 @@ class MendTool(RingTool):
             words = self._contour_advice(held)
         elif self._pointer is None:
             words = self.tip
+        elif self._obstacle:
+            return self._obstacle
         elif away:
             words = _ERASE_ADVICE if item is not None else _ERASE_ANYWHERE_ADVICE
         else:
@@ -203,14 +207,14 @@ class MendTool(RingTool):
         self._drawing.show_ring()
 
     def cursor_at(self, at: Position, reach: float) -> Cursor | QCursor:
-        """Return links over an end, a knife or a hand over a line, a cross elsewhere."""
+        """Return links over an end, a knife or a hand over a line, elsewhere a cross, or that nothing can be painted."""
         if self.volume is None:
             self._editing.request_edges()
         if self._reach != max(reach, 1.0) and self._pointer is not None:
             self._find_target(at, reach)
             self._show_preview()
         if self._held is None:
-            return Cursor.CrossCursor
+            return Cursor.ForbiddenCursor if self._obstacle else Cursor.CrossCursor
         if self._held.at_end:
             return create_pointer("join")
         return create_pointer("knife") if self._is_removing and self._item is None else Cursor.OpenHandCursor
@@ -227,12 +231,14 @@ class MendTool(RingTool):
     def _find_target(self, at: Place, reach: float) -> None:
         """Find the line or object that a press at a place would act on."""
         self._reach = max(reach, 1.0)
-        self._item = self._held = None
+        self._item, self._held, self._obstacle = None, None, ""
         if self.volume is None:
             on = self._editing.find_boundary(at, self._reach)
             self._item, self._held = on if on is not None else (None, self._editing.find_contact(at, self._reach))
-        if self._held is None and not self._paints_new_object:
-            self._item = self._brush.find_target((at,), self.radius)
+        if self._held is None:
+            adds, makes_new = not self._is_removing, self._paints_new_object
+            self._item = None if makes_new else self._brush.find_target((at,), self.radius, adds)
+            self._obstacle = self._brush.find_obstacle(at, self._item, adds, makes_new)
 
     def _on_click(self, held: Contact, item: SegmentedObject | None) -> None:
         """Select the clicked object or contour, mark the place on the contour, or cut it there."""
