@@ -413,7 +413,8 @@ class Partition(drawing.Pictured):
     ) -> tuple[Prompt, str]:
         """Resolve points to pixels, with one sentence on what is unusual about them.
 
-        Points on pixels that are not `free`, shape (H, W), are left out. Where the same pixel is positive and negative, the positive points count that are `newer`, shape (M,).
+        Points on pixels that are not `free`, shape (H, W), are left out. Where the same pixel is positive and negative,
+        the positive points count that are `newer`, shape (M,).
         """
         remark = ""
         limit = np.array(self.shape) - 1

@@ -115,7 +115,7 @@ class ObjectBrush(QObject):
         self._list.resume_measuring()
 
     def find_target(self, newest: Sequence[Place], radius: float, adds: bool) -> SegmentedObject | None:
-        """Find the object that a stroke along some places would paint; None for a new one, or for none to erase from."""
+        """Find the object that a stroke along some places would paint; None for a new one, or none to erase from."""
         under, near = self._list.object_number_at(newest[-1]), list(self._list.selected_objects)
         if not near and not adds and len(newest[-1]) == 3:
             near = [one for one in self._list.objects.items if one.number == under]

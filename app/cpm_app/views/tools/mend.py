@@ -207,7 +207,7 @@ class MendTool(RingTool):
         self._drawing.show_ring()
 
     def cursor_at(self, at: Position, reach: float) -> Cursor | QCursor:
-        """Return links over an end, a knife or a hand over a line, elsewhere a cross, or that nothing can be painted."""
+        """Return links over an end, a knife or a hand over a line, elsewhere a cross, or a bar if it paints nothing."""
         if self.volume is None:
             self._editing.request_edges()
         if self._reach != max(reach, 1.0) and self._pointer is not None:
