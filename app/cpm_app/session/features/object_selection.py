@@ -165,11 +165,14 @@ class ObjectSelection(QObject):
 
     @property
     def answered(self) -> bool:
-        """Whether the object of the clicks is known; true without clicks."""
+        """Whether the object of the clicks is known, or will not be; true without clicks."""
         last, newest = self._answered, self._request
-        if not self.selecting or last is None or newest is None:
-            return not self.selecting
-        return last.selector is newest.selector and last.clicks == self._session.document.objects.clicks
+        if not self.selecting:
+            return True
+        if newest is None:
+            return self.partition_updater.has_failed
+        same = last is not None and last.selector is newest.selector
+        return same and last.clicks == self._session.document.objects.clicks
 
     @property
     def advice(self) -> str:
@@ -241,8 +244,11 @@ class ObjectSelection(QObject):
 
     def step_candidate(self, by: int) -> None:
         """Step to a larger candidate for the object of the clicks or the selected one, a smaller one if `by` < 0."""
-        self._steps += by
-        self._request_answer()
+        if self.ready:
+            self._steps += by
+            self._request_answer()
+        else:
+            self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
 
     def do_in_order(self, action: Callback, click: Click | None = None, *, needs_answer: bool = True) -> None:
         """Do what the user wants after all that was wanted before: now, or as soon as the answers to it are known.

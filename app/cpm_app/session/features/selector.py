@@ -85,6 +85,8 @@ class PartitionUpdater(QObject):
         self.source: PartitionSource | None = None
         """Source of `partition`."""
         self._asked_for: PartitionSource | None = None
+        self.has_failed = False
+        """Whether the partition that was asked for last could not be made."""
         self._everywhere: PreparedPartition | None = None
         self._task = ENDED_TASK
         self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
@@ -111,7 +113,7 @@ class PartitionUpdater(QObject):
             if source != self.source:
                 self._set_partition(known)
         elif source != self._asked_for:
-            self._asked_for = source
+            self._asked_for, self.has_failed = source, False
             self._task.cancel()
             if isinstance(source, EverywhereRun):
                 alone = source.image.ndim == 3 or math.prod(source.image.shape) > MAX_OFFERED_PIXELS
@@ -120,7 +122,11 @@ class PartitionUpdater(QObject):
                 if not alone:
                     self._start_run_everywhere(source)
             else:
-                self._latest.submit(lambda: (source, _precompute_selection(partition(source))), self._on_partition_made)
+                self._latest.submit(
+                    lambda: (source, _precompute_selection(partition(source))),
+                    self._on_partition_made,
+                    self._on_failure,
+                )
 
     def close(self) -> None:
         """End the thread."""
@@ -160,6 +166,10 @@ class PartitionUpdater(QObject):
         self.source, self.partition = prepared
         self.changed.emit()
         self.update_partition()
+
+    def _on_failure(self) -> None:
+        self.has_failed = True
+        self.changed.emit()
 
     def _on_document_changed(self, document: Document) -> None:
         """Wait until parameters and limits stop changing before another run from everywhere."""
@@ -324,18 +334,19 @@ class Selector:
 
     def _other_arguments(self, clicks: Clicks) -> JsonDict:
         """Return the arguments of a selection other than the positive points."""
-        inside, outside = collect_points(clicks, inside=True), collect_points(clicks, inside=False)
-        previous = self.selection_for(clicks[:-1])
+        outside, previous = collect_points(clicks, inside=False), self.selection_for(clicks[:-1])
         if isinstance(self.partition, VolumePartition):
             return {"outside": outside, "previous": previous}
-        return {"outside": outside, "previous": previous, "excluded": self._find_excluded(inside)}
+        return {"outside": outside, "previous": previous, "excluded": self._find_excluded(clicks)}
 
-    def _find_excluded(self, inside: Array) -> Mask | None:
-        """Find the pixels that a selection with these positive points, shape (M, 2) [px], must leave to other objects.
+    def _find_excluded(self, clicks: Clicks) -> Mask | None:
+        """Find the pixels that the object of clicks must leave to other objects; None without any.
 
-        Those of an object that holds one of the points are free, because what is clicked there is a part of it.
+        An object that a positive click lies in, for the most part, is none of these: the click is for what it holds, or
+        for what holds it.
         """
-        apart = [item for item in self._limits if not item.encloses(inside).any()]
+        within = [np.array(click.places) for click in clicks if click.inside]
+        apart = [item for item in self._limits if not any(item.encloses(places).mean() > 0.5 for places in within)]
         if len(apart) < len(self._limits):
             return _unite_masks(apart, self.partition.shape)
         return self._taken if apart else None
@@ -359,7 +370,7 @@ class Selector:
         partition, selection = self.partition, proposal.selection
         if not (self._limits and isinstance(partition, Partition) and isinstance(selection, Selection)):
             return proposal
-        excluded = self._find_excluded(collect_points(proposal.clicks, inside=True))
+        excluded = self._find_excluded(proposal.clicks)
         if excluded is None or not (selection.mask & excluded).any():
             return proposal
         return replace(proposal, selection=partition.remove_pixels(selection, excluded))

@@ -222,6 +222,31 @@ def test_a_click_is_marked_as_being_worked_on_at_once_and_until_its_answer_is_sh
     assert objects.selecting
 
 
+def test_what_waits_for_an_answer_that_does_not_come_is_given_up(window, hand, objects, monkeypatch) -> None:
+    def fail(*given, **more):
+        raise ValueError("no answer")
+
+    with monkeypatch.context() as changed:
+        changed.setattr(Partition, "select", fail)
+        hand.click(18, 18)
+        hand.key(KEY.Key_Return)
+        hand.wait(lambda: objects.idle)
+        assert "No answer" in window.canvas_area.messages.text
+        assert taken(window) == window.session.scene.objects.awaited == ()
+        hand.key(KEY.Key_Z, CONTROL)
+        assert not objects.selecting
+    click(hand, 18, 18)
+    take(hand)
+    assert len(taken(window)) == 1
+
+
+def test_a_stroke_or_a_start_that_reaches_into_an_accepted_object_stays_out_of_it(window, hand, objects, part) -> None:
+    hand.drag((43, 50), (43, 44), (43, 38), (43, 34))
+    hand.wait(lambda: objects.idle and bool(objects.proposals))
+    assert offered(objects)[43, 48]
+    assert not (offered(objects) & part).any()
+
+
 def test_what_waits_is_dropped_with_the_image(window, hand, objects, monkeypatch, image_file) -> None:
     answer, select = threading.Event(), Partition.select
     monkeypatch.setattr(Partition, "select", lambda *given, **more: (answer.wait(60), select(*given, **more))[1])
