@@ -228,11 +228,18 @@ class SegmentedObject:
         row, col = np.unravel_index(int(np.argmax(depth)), window.shape)
         return (*plane, float(row + first[0]), float(col + first[1]))
 
+    @cached_property
+    def _windows(self) -> dict[Extent, tuple[tuple[int, int], Mask]]:
+        """What `_rasterize_window` has found, by the shape of the image: each answer to a click needs all objects."""
+        return {}
+
     def _rasterize_window(self, shape: Extent) -> tuple[tuple[int, int], Mask]:
         """Rasterize the boundary: first row and column of the part of the image around it, and its pixels inside.
 
         Boundaries may reach far beyond the image.
         """
+        if shape in self._windows:
+            return self._windows[shape]
         low, high = self.box
         top, left = np.clip(np.floor(low), 0, shape).astype(int).tolist()
         bottom, right = np.clip(np.ceil(high) + 1, (top, left), np.maximum(shape, (top, left))).tolist()
@@ -243,7 +250,8 @@ class SegmentedObject:
             part = window[first : first + height]
             places = np.stack(np.meshgrid(rows[first : first + height], cols, indexing="ij"), axis=-1).reshape(-1, 2)
             part[:] = self.encloses(places.astype(float)).reshape(part.shape)
-        return (top, left), window
+        self._windows[shape] = (top, left), window
+        return self._windows[shape]
 
 
 DEFAULT_CLASSES: tuple[ObjectClass, ...] = tuple(

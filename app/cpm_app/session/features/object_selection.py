@@ -171,8 +171,9 @@ class ObjectSelection(QObject):
             return True
         if newest is None:
             return self.partition_updater.has_failed
-        same = last is not None and last.selector is newest.selector
-        return same and last.clicks == self._session.document.objects.clicks
+        if last is None or last.selector is not newest.selector:
+            return False
+        return last.clicks == self._session.document.objects.clicks
 
     @property
     def advice(self) -> str:
@@ -505,18 +506,19 @@ class ObjectSelection(QObject):
         if self._is_catching_up:
             return
         self._is_catching_up = True
-        while self._waiting and self.answered and not self._steps:
-            self._waiting.popleft().run()
-        self._is_catching_up = False
+        try:
+            while self._waiting and self.answered and not self._steps:
+                self._waiting.popleft().run()
+        finally:
+            self._is_catching_up = False
         self._show_awaited_clicks()
 
     def _show_awaited_clicks(self) -> None:
         """Mark the clicks whose answer is not shown yet."""
         known = self._answered.clicks if self._answered is not None else ()
-        new = (
-            () if self.answered else tuple(each for each in self._session.document.objects.clicks if each not in known)
-        )
-        later = tuple(each.click for each in self._waiting if each.click is not None)
+        clicks = () if self.answered else self._session.document.objects.clicks
+        new = (each for each in clicks if each not in known)
+        later = (each.click for each in self._waiting if each.click is not None)
         self._update_shown_objects(awaited=(*new, *later))
 
     def _on_candidate(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
