@@ -116,14 +116,15 @@ class ObjectBrush(QObject):
 
     def find_target(self, newest: Sequence[Place], radius: float, adds: bool) -> SegmentedObject | None:
         """Find the object that a stroke along some places would paint; None for a new one, or none to erase from."""
-        under, near = self._list.object_number_at(newest[-1]), list(self._list.selected_objects)
+        under = self._list.object_number_at(newest[-1])
+        near = [one for one in self._list.selected_objects if not one.line]
         if not near and not adds and len(newest[-1]) == 3:
             near = [one for one in self._list.objects.items if one.number == under]
         elif not near and not adds:
             path = polyline.sample_path(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
             near = [
-                item for item in self._list.objects_near(path, radius)
-                if item.encloses(path).any() or (polyline.distances_to_closed_paths(item.boundary, path) < radius).any()
+                item for item in self._list.objects_near(path, radius) if not item.line and
+                (item.encloses(path).any() or (polyline.distances_to_closed_paths(item.boundary, path) < radius).any())
             ]  # fmt: skip
         return min(near, key=lambda one: (one.number != under, one.area), default=None)
 
