@@ -364,11 +364,14 @@ def _replace_objects(document: Document, **parts: Any) -> Document:
     return replace(document, objects=replace(document.objects, **parts))
 
 
-def paint_volume_object(
-    document: Document, number: int, part: Part, adds: bool = True, over_others: bool = True
-) -> Document:
+def set_overlap(document: Document, may_overlap: bool) -> Document:
+    """Set whether what is selected or painted may run over other objects."""
+    return _replace_objects(document, may_overlap=may_overlap)
+
+
+def paint_volume_object(document: Document, number: int, part: Part, adds: bool = True) -> Document:
     """Add voxels to an object of a volume, or to a new one, or remove them; see `paint_voxels`."""
-    return replace(document, objects=paint_voxels(document.objects, number, part, adds, over_others))
+    return replace(document, objects=paint_voxels(document.objects, number, part, adds))
 
 
 _BRUSH_EDGE_TOLERANCE = 0.1

@@ -127,7 +127,8 @@ def with_starts(document: Document, starts: tuple[Start, ...]) -> Document:
 
 def without_results(document: Document) -> Document:
     """Keep the settings of a document for another page: shapes, parameters, mode and classes, but no results."""
-    known = SegmentedObjects(classes=document.objects.classes, category=document.objects.category)
+    known = document.objects
+    known = SegmentedObjects(classes=known.classes, category=known.category, may_overlap=known.may_overlap)
     return Document(document.image, document.shapes, document.parameters, mode=document.mode, objects=known)
 
 

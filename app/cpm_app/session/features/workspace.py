@@ -27,7 +27,7 @@ class Workspace:
         self.outline_editing = OutlineEditing(self.session, self.contour_selection)
         self.object_list = ObjectList(self.session, self.contour_selection)
         self.object_brush = ObjectBrush(self.session, self.object_list)
-        self.object_commands = ObjectCommands(self.session, self.contour_selection, self.object_list, self.object_brush)
+        self.object_commands = ObjectCommands(self.session, self.contour_selection, self.object_list)
         self.pages = StackPages(self.session, self.contour_selection)
         self.followed_objects = FollowedObjects(self.session, self.pages)
         self.object_selection = ObjectSelection(self.session, self.object_list, self.pages, self.followed_objects)
