@@ -7,6 +7,7 @@ from cpm_app.session.features.comparison import ComparedResults
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.hand_editing import HandEditing
+from cpm_app.session.features.image_project import ImageProject
 from cpm_app.session.features.object_brush import ObjectBrush
 from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
@@ -29,6 +30,7 @@ class Workspace:
         self.object_brush = ObjectBrush(self.session, self.object_list)
         self.object_commands = ObjectCommands(self.session, self.review, self.object_list, self.object_brush)
         self.pages = StackPages(self.session, self.review)
+        self.project = ImageProject(self.session, self.pages)
         self.followed_objects = FollowedObjects(self.session, self.pages)
         self.object_selection = ObjectSelection(self.session, self.object_list, self.pages, self.followed_objects)
         self.skeleton_updater = SkeletonUpdater(self.session)
