@@ -22,7 +22,13 @@ from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, Openin
 from cpm_app.session.features.project_table import write_table
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.session import Session
-from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY, SAVING_CATEGORY
+from cpm_app.session.session_messages import (
+    EXPORTING_CATEGORY,
+    OPENING_CATEGORY,
+    PROJECT_CATEGORY,
+    RUNNING_CATEGORY,
+    SAVING_CATEGORY,
+)
 from cpm_app.session.storage.session_file import DocumentFile, SessionWritten
 from cpm_app.session.tasks.opening import list_images
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
@@ -165,7 +171,7 @@ class ImageProject(QObject):
 
     def open_folder(self, folder: Path) -> BackgroundTask:
         """Open a folder of images as a project, and in it the first image that is not done."""
-        self._session.messages.clear(OPENING_CATEGORY)
+        self._session.messages.clear(OPENING_CATEGORY, PROJECT_CATEGORY)
         return self._session.tasks.start_task(
             tr("Opening {name}…", name=folder.name),
             lambda _: FolderContent.read(folder),
@@ -284,7 +290,7 @@ class ImageProject(QObject):
     def _begin(self, content: FolderContent) -> None:
         self._content, self.current, self._wanted = content, None, None
         if content.error:
-            self._session.messages.show(content.error, True, OPENING_CATEGORY)
+            self._session.messages.show(content.error, True, PROJECT_CATEGORY)
         self.changed.emit()
         self.image_wanted.emit(find_next_undone(self.rows, None) or content.images[0])
 
@@ -296,6 +302,7 @@ class ImageProject(QObject):
         if self.current is None:
             if self.folder is not None:
                 self._content = FolderContent()
+                self._session.messages.clear(PROJECT_CATEGORY)
                 self.changed.emit()
             return
         self._wanted = self.current
@@ -347,7 +354,7 @@ class ImageProject(QObject):
             tr("Saving {name}…", name=folder.name),
             write_change,
             tr("saving {name}", name=folder.name),
-            partial(CommandFailed, category=SAVING_CATEGORY),
+            partial(CommandFailed, category=PROJECT_CATEGORY),
             cancellable=False,
             on_result=lambda _: None,
         )
