@@ -9,6 +9,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from cpm_app.model.document.modes import MODES
 from cpm_app.model.document.project import (
     ImageRow,
     find_next_undone,
@@ -18,7 +19,9 @@ from cpm_app.model.document.project import (
 )
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import explain_error, tr
-from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, OpeningFailed
+from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, OpeningFailed, WorkFinished
+from cpm_app.session.features.followed_objects import FollowedObjects
+from cpm_app.session.features.prepared_image import PreparedImage, prepare_proposals
 from cpm_app.session.features.project_table import write_table
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.session import Session
@@ -100,9 +103,9 @@ class ImageProject(QObject):
     image_wanted = Signal(object)
     """The user goes on to an image: its path."""
 
-    def __init__(self, session: Session, pages: StackPages) -> None:
+    def __init__(self, session: Session, pages: StackPages, followed_objects: FollowedObjects) -> None:
         super().__init__(session)
-        self._session, self._pages = session, pages
+        self._session, self._pages, self._followed_objects = session, pages, followed_objects
         self._file: DocumentFile
         self._content = FolderContent()
         self.current: Path | None = None
@@ -113,18 +116,24 @@ class ImageProject(QObject):
         """The settings that the open image began with."""
         self._shown: object = None
         """State and number of objects of the open image, as last announced."""
-        self._writing = ENDED_TASK
+        self._writing = self._preparing = ENDED_TASK
+        self._prepared_path: Path | None = None
+        """The image that is run before it is opened."""
+        self._prepared_after: Path | None = None
+        """The open image when that was last considered."""
+        self._prepared: PreparedImage | None = None
         self._saving_fails = False
         self._timer = QTimer(self, singleShot=True)
         self._timer.timeout.connect(self._save)
         session.store.add_listener(ImageOpened, self._on_image_opened)
         session.store.add_listener(SessionWritten, self._on_session_written)
         session.store.add_listener(CommandFailed, self._on_command_failed)
-        session.document_changed.connect(lambda _: self._announce_state())
+        session.store.scene_changed.connect(self._prepare_next)
 
     def set_session_file(self, document_file: DocumentFile) -> None:
         """Set the session file, in which the work on the open image is saved."""
         self._file = document_file
+        document_file.edited.connect(self._announce_state)
         document_file.edited.connect(self._save_soon)
 
     # State
@@ -147,11 +156,12 @@ class ImageProject(QObject):
     @property
     def rows(self) -> tuple[ImageRow, ...]:
         """The images with their states."""
-        content = self._content
-        project = content.project
-        if self.current is not None and self._here != ProjectImage():
-            project = project.with_image(self.current.name, self._here)
-        return list_images_of(content.images, project, content.sessions)
+        content, current = self._content, self.current
+        if current is None:
+            return list_images_of(content.images, content.project, content.sessions)
+        project = content.project.with_image(current.name, self._here)
+        rows = list_images_of(content.images, project, content.sessions)
+        return tuple(replace(row, is_proposed=False) if row.path == current else row for row in rows)
 
     @property
     def state(self) -> ImageState:
@@ -204,7 +214,7 @@ class ImageProject(QObject):
             return
         removed, here = self._here.state == state, self._here
         if removed:
-            begun = has_own_work(self._session.document) or self.current.name in self._content.sessions
+            begun = self._has_work or self.current.name in self._content.sessions
             state = "begun" if begun else "untouched"
         self._change(partial(Project.with_image, name=self.current.name, image=replace(here, state=state)))
         if not removed:
@@ -271,7 +281,7 @@ class ImageProject(QObject):
         if self.current is None:
             return ProjectImage()
         document, known = self._session.document, self._content.project.images.get(self.current.name, ProjectImage())
-        begun = has_own_work(document) or self.current.name in self._content.sessions
+        begun = self._has_work or self.current.name in self._content.sessions
         state: ImageState = "begun" if known.state == "untouched" and begun else known.state
         return ProjectImage(state, len(document.objects.items))
 
@@ -281,14 +291,25 @@ class ImageProject(QObject):
         own, path = self._file.path == self.session_path, self.session_path
         if path is None or (own and not self._file.unsaved):
             return False
-        return own or has_own_work(self._session.document) or self._pages.has_unsaved_others
+        return own or self._has_work
+
+    @property
+    def _has_work(self) -> bool:
+        """Whether there is work on the open image, new or from a session elsewhere."""
+        worked = has_own_work(self._session.document) or self._pages.has_unsaved_others
+        return worked and (self._file.path is not None or self._file.unsaved)
 
     def _find_image(self, path: Path) -> Path | None:
         by_path = self._content.by_path
         return by_path.get(path) or (by_path.get(path.resolve()) if by_path else None)
 
-    def _begin(self, content: FolderContent) -> None:
+    def _use_folder(self, content: FolderContent) -> None:
+        self._preparing.cancel()
         self._content, self.current, self._wanted = content, None, None
+        self._prepared = self._prepared_path = self._prepared_after = None
+
+    def _begin(self, content: FolderContent) -> None:
+        self._use_folder(content)
         if content.error:
             self._session.messages.show(content.error, True, PROJECT_CATEGORY)
         self.changed.emit()
@@ -301,21 +322,61 @@ class ImageProject(QObject):
         before, self.current = self.current, self._find_image(opened.path)
         if self.current is None:
             if self.folder is not None:
-                self._content = FolderContent()
+                self._use_folder(FolderContent())
                 self._session.messages.clear(PROJECT_CATEGORY)
                 self.changed.emit()
             return
         self._wanted = self.current
         if self.current != before:  # and not another page of it
             self._first_settings = self._read_settings()
-            if self.proposes and self.state == "untouched":
+            if self.proposes:
                 QTimer.singleShot(0, self, self._propose)
         self.changed.emit()
 
     def _propose(self) -> None:
-        """Run the open image, whose objects are proposed at the end."""
-        if self.current is not None and any(isinstance(start, Everywhere) for start in self._session.document.starts):
-            self._session.run()
+        """Offer the proposals on the open image if it is untouched, or run it, which ends with proposals."""
+        document, prepared = self._session.document, self._prepared
+        if self.current is None or self.state != "untouched" or document.image is None:
+            return
+        if not any(isinstance(start, Everywhere) for start in document.starts):
+            return
+        if self._prepared_path == self.current and not self._preparing.is_over:
+            return  # its proposals are on the way
+        made_of = self.current, document.image.sha256, self._content.project.settings
+        if prepared is not None and (prepared.path, prepared.sha256, prepared.settings) == made_of:
+            proposals = prepared.proposals
+            if proposals is not None:
+                self._followed_objects.offer(lambda *_: proposals)
+                return
+        self._session.run()
+
+    def _prepare_next(self) -> None:
+        """Once there are proposals on the open image, make those on the image that will be next."""
+        project, current = self._content.project, self.current
+        if not (project.proposes and project.settings and self._session.scene.objects.proposals):
+            return
+        if self._prepared_after == current:
+            return
+        self._prepared_after = current
+        following = find_next_undone(self.rows, current)
+        if following is None or following == self._prepared_path or not self._preparing.is_over:
+            return
+        row = next(row for row in self.rows if row.path == following)
+        if row.is_proposed and MODES[self._session.document.mode].method == "cpm":
+            self._prepared_path, self._prepared = following, None
+            self._preparing = self._session.tasks.start_task(
+                tr("Preparing {name}…", name=following.name),
+                partial(prepare_proposals, following, project.settings),
+                tr("preparing {name}", name=following.name),
+                lambda _: WorkFinished(partial(self._on_prepared, None)),  # what is wrong is said when it is opened
+                on_result=self._on_prepared,
+            )
+
+    def _on_prepared(self, prepared: PreparedImage | None) -> None:
+        """Offer the proposals if the image has been opened in the meantime."""
+        self._preparing, self._prepared = ENDED_TASK, prepared
+        if self._prepared_path == self.current:
+            self._propose()
 
     def _announce_state(self) -> None:
         if self.current is not None and self._here != self._shown:

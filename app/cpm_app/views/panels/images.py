@@ -26,7 +26,7 @@ IMAGE_COLUMNS: tuple[Column[ImageRow], ...] = (
     Column("state", tr("State"), tr("How far the work on the image is: {key:image_done} says that it is done, "
                                     "{key:image_doubtful} that it is doubtful."),
            lambda row: str(row.words), "● untouched", sort_by=lambda row: _STATES.index(row.state)),
-    Column("objects", tr("Objects"), tr("Number of objects."), lambda row: row.objects, "0000", number_format=".0f"),
+    Column("objects", tr("#"), tr("Number of objects."), lambda row: row.objects, "0000", number_format=".0f"),
 )  # fmt: skip
 """Columns in the order shown."""
 

@@ -204,6 +204,28 @@ def test_proposals_are_made_on_each_untouched_image_and_reviewed_by_two_keys(win
     assert [row[1:] for row in table(window)[1:3]] == [("● done", "1")] * 2
 
 
+def test_the_next_image_is_run_ahead_and_its_proposals_are_those_of_a_run_in_the_window(window, hand, folder) -> None:
+    project, scene = window.workspace.project, lambda: window.session.scene
+    open_project(window, hand, folder)
+    window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
+    window.trigger_action("apply_to_all")
+    window.session.run()
+    hand.wait(lambda: scene().objects.proposals and project._prepared is not None)
+    press(window, hand, DONE, "plate2.npy")
+    hand.wait(lambda: scene().objects.proposals)
+    assert not window.session.status.started
+    (ahead,) = scene().objects.proposals
+    window.session.run()
+    hand.wait(lambda: window.session.status.phase == "finished" and window.session.idle)
+    window.workspace.followed_objects._search = None
+    window.workspace.object_selection.search_again()
+    hand.wait(lambda: scene().objects.proposals and window.workspace.object_selection.idle)
+    (here,) = scene().objects.proposals
+    assert ahead is not here
+    assert np.array_equal(ahead.selection.mask, here.selection.mask)
+    assert ahead.selection.confidence == here.selection.confidence
+
+
 def test_without_a_start_that_suits_all_images_nothing_is_applied(window, hand, folder) -> None:
     open_project(window, hand, folder)
     window.trigger_action("apply_to_all")
