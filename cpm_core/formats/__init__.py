@@ -34,9 +34,9 @@ from cpm_core.formats.contour_file import load_contours as load_contours
 from cpm_core.formats.contour_file import read_contours as read_contours
 from cpm_core.formats.contours.contents import PlaneInfo as PlaneInfo
 from cpm_core.formats.contours.contents import parse_color as parse_color
+from cpm_core.formats.contours.contour_csv import encode_tables_of_images as encode_tables_of_images
 from cpm_core.formats.contours.contour_json import page_from_json as page_from_json
 from cpm_core.formats.contours.contour_json import page_to_json as page_to_json
-from cpm_core.formats.contours.contour_csv import encode_tables_of_images as encode_tables_of_images
 from cpm_core.formats.contours.curves import flatten_ellipse as flatten_ellipse
 from cpm_core.formats.contours.labelme import set_relative_source as set_relative_source
 from cpm_core.formats.contours.points_csv import load_points as load_points

@@ -338,7 +338,7 @@ def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback
 
 
 def _place_to_json(place: str, folder: Path) -> JsonDict:
-    """Convert a path to JSON: relative to a folder if it is in, below or directly above it, and absolute; else as it is."""
+    """Convert a path to JSON: absolute, and relative to a folder if it is in or below it, or in the one around it."""
     path, folder = Path(place), folder.resolve()
     if path.is_absolute() and path.is_relative_to(folder):
         return {"path": path.relative_to(folder).as_posix(), "absolute": str(path)}

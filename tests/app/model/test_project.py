@@ -16,7 +16,9 @@ from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Circle, Everywhere
 
 STATES = st.sampled_from(["untouched", "begun", "done", "doubtful"])
-IMAGE = ImageReference("a.png", "/x/a.png", (32, 32), 1.0, "ab", reading=Reading(channel=2, spacing=(2.0, 2.0), unit="nm"))
+IMAGE = ImageReference(
+    "a.png", "/x/a.png", (32, 32), 1.0, "ab", reading=Reading(channel=2, spacing=(2.0, 2.0), unit="nm")
+)
 SQUARE = ((1.0, 1.0), (1.0, 5.0), (5.0, 5.0), (5.0, 1.0))
 
 

@@ -234,7 +234,8 @@ class ImageProject(QObject):
             return
         self._change(lambda project: replace(project, proposes=True, settings=settings))
         text = tr(
-            "Images: {count}. Each is run when you open it: accept its proposals with Enter, then press {key:image_done}."
+            "Images: {count}. Each is run when you open it: accept its proposals with Enter, then press "
+            "{key:image_done}."
         )
         count = sum(row.is_proposed for row in self.rows)
         messages.show(insert_keys(text, count=count), category=RUNNING_CATEGORY)

@@ -45,7 +45,9 @@ from cpm_core.shapes import check_axes
 _MASK_ENDINGS = ("cp_masks", "cp_outlines", "gt", "labels?", "masks?", "seg", "segmentation")
 """Ends of the names of masks that other programs write next to an image, as regular expressions."""
 
-_DERIVED_NAME = re.compile(rf"(.+?)(?:_(?:{'|'.join(EXPORT_TITLES)})|[_-](?:{'|'.join(_MASK_ENDINGS)}))\.", re.IGNORECASE)
+_DERIVED_NAME = re.compile(
+    rf"(.+?)(?:_(?:{'|'.join(EXPORT_TITLES)})|[_-](?:{'|'.join(_MASK_ENDINGS)}))\.", re.IGNORECASE
+)
 """Names of files made for an image, exports and masks, whose stem is the first group."""
 
 

@@ -30,7 +30,7 @@ IMAGE_COLUMNS: tuple[Column[ImageRow], ...] = (
 )  # fmt: skip
 """Columns in the order shown."""
 
-_BUTTON_ACTIONS = ("image_done", "image_doubtful", "next_undone")
+_IMAGE_BUTTONS = ("image_done", "image_doubtful", "next_undone")
 """Names of the actions that have a button."""
 
 
@@ -80,7 +80,7 @@ class ImagePanel(QWidget):
         super().__init__()
         self._project = project
         self.table, self.summary = ImageTable(project), create_wrapped_label(dim=True)
-        self.buttons = tuple(QToolButton(self) for _ in _BUTTON_ACTIONS)
+        self.buttons = tuple(QToolButton(self) for _ in _IMAGE_BUTTONS)
         for button in self.buttons:
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
             button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
@@ -91,7 +91,7 @@ class ImagePanel(QWidget):
 
     def use_actions(self, actions: Actions) -> None:
         """Give the buttons the actions of the menu."""
-        for button, name in zip(self.buttons, _BUTTON_ACTIONS, strict=True):
+        for button, name in zip(self.buttons, _IMAGE_BUTTONS, strict=True):
             button.setDefaultAction(actions[name])
 
     def show_images(self) -> None:

@@ -87,9 +87,7 @@ def test_a_dropped_folder_is_opened(window, hand, folder) -> None:
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(folder))])
     none = Qt.KeyboardModifier.NoModifier
-    window.dropEvent(
-        QDropEvent(QPointF(5, 5), Qt.DropAction.CopyAction, data, Qt.MouseButton.LeftButton, none)
-    )
+    window.dropEvent(QDropEvent(QPointF(5, 5), Qt.DropAction.CopyAction, data, Qt.MouseButton.LeftButton, none))
     wait_for(window, hand, "plate1.npy")
     assert window.workspace.project.folder == folder.resolve()
 
@@ -251,7 +249,7 @@ def test_the_table_of_all_images_has_the_objects_of_each_with_class_and_confiden
         ("plate2.npy", "1", "object", "0.5"),
         ("plate2.npy", "2", "object", "0.5"),
     ]
-    assert list(rows[0])[0] == "image"
+    assert next(iter(rows[0])) == "image"
     assert all(float(row["area_px2"]) == 100.0 and float(row["perimeter_px"]) == 40.0 for row in rows)
     assert "3 objects in 2 images" in window.canvas_area.messages.text
 
