@@ -170,8 +170,12 @@ class ImageProject(QObject):
 
     @property
     def session_path(self) -> Path | None:
-        """File of the session of the open image; None if that is none of the project."""
-        return None if self.current is None else project_session(self.current)
+        """File in which the work on the open image is saved.
+
+        None if the image is none of the project, or if there is a session of it that is not open, as of another page.
+        """
+        path = None if self.current is None else project_session(self.current)
+        return None if path is None or (path.exists() and path != self._file.path) else path
 
     def contains(self, path: Path) -> bool:
         """Return whether a path is that of an image of the project."""
@@ -243,7 +247,7 @@ class ImageProject(QObject):
     # Saving
 
     def save_and_wait(self) -> bool:
-        """Save the work on the open image; return False if that fails, or if it is none of the project."""
+        """Save the work on the open image; return False if that fails, or if it has no place in the project."""
         path = self.session_path
         if path is None:
             return False
@@ -289,10 +293,10 @@ class ImageProject(QObject):
     @property
     def _needs_saving(self) -> bool:
         """Whether there is work on the open image that its session in the project lacks."""
-        own, path = self._file.path == self.session_path, self.session_path
-        if path is None or (own and not self._file.unsaved):
+        path = self.session_path
+        if path is None:
             return False
-        return own or self._has_work
+        return self._file.unsaved if path == self._file.path else self._has_work
 
     @property
     def _has_work(self) -> bool:
@@ -395,7 +399,7 @@ class ImageProject(QObject):
     def _keep_settings(self) -> None:
         """Let new images begin with the settings of the open one, if they have been changed in it."""
         settings = self._read_settings()
-        if settings is not None and (self._content.project.settings is None or settings != self._first_settings):
+        if settings is not None and settings != self._first_settings:
             self._first_settings = settings
             self._change(lambda project: replace(project, settings=settings))
 

@@ -33,7 +33,8 @@ def write_table(images: Sequence[Path], path: Path, task: BackgroundTask) -> Fil
                 failed += 1
                 continue
             if result is not None:
-                counts.append(len({contour.group for contour in result.contours}))
+                numbers = {contour.group for contour in result.contours}
+                counts.append(len(numbers) if result.surface is None else len(result.surface.labels))
                 yield result
 
     content = encode_tables_of_images(measure_images())

@@ -154,7 +154,7 @@ class OpenSaveFeature(Feature):
     def save(self) -> None:
         """Save to the current file, to that of the image in its project, or ask for one."""
         path = self.document_file.path
-        if path is None and self._project.current is not None and self._project.make_folder():
+        if path is None and self._project.session_path is not None and self._project.make_folder():
             path = self._project.session_path
         if path is None:
             self.save_as()

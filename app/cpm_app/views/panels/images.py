@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from PySide6.QtCore import QItemSelectionModel, Qt, Signal
@@ -48,11 +49,11 @@ class ImageTable(SortableTable):
         self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
         self.clicked.connect(self._request_image)
 
-    def show_rows(self) -> None:
+    def show_rows(self, rows: Sequence[ImageRow]) -> None:
         """Show the images, and select the open one."""
         before = self.currentIndex()
         shown: Path | None = self.rows.item_key(before.row()) if before.isValid() else None
-        self.rows.update_items(self._project.rows, None)
+        self.rows.update_items(rows, None)
         current = self._project.current
         if current is not None and current != shown:
             row = [item.path for item in self.rows.items].index(current)
@@ -96,8 +97,9 @@ class ImagePanel(QWidget):
 
     def show_images(self) -> None:
         """Show the images with their states, and count them."""
-        self.table.show_rows()
-        found = Counter(row.state for row in self._project.rows)
+        rows = self._project.rows
+        self.table.show_rows(rows)
+        found = Counter(row.state for row in rows)
         text = tr("{done} of {count} images done.", done=found["done"], count=found.total())
         if found["doubtful"]:
             text += " " + tr("{count} doubtful.", count=found["doubtful"])
