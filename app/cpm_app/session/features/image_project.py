@@ -196,11 +196,13 @@ class ImageProject(QObject):
 
     def open_image(self, path: Path) -> None:
         """Open an image of the project with its session; an untouched one begins with the settings of the project."""
-        image = self._find_image(path)
-        if image is not None:
-            self._wanted, session = image, project_session(image)
-            there = session.is_file()
-            self._session.open_file(session if there else image, resumes=True, settings=self._content.project.settings)
+        image, settings, prepared = self._find_image(path), self._content.project.settings, self._prepared
+        if image is None:
+            return
+        self._wanted, session = image, project_session(image)
+        if settings is not None and prepared is not None and (prepared.path, prepared.settings) == (image, settings):
+            settings = prepared.settings_with_runs
+        self._session.open_file(session if session.is_file() else image, resumes=True, settings=settings)
 
     def go_to_next(self) -> None:
         """Go on to the next image about which the user has said nothing."""
