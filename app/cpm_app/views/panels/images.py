@@ -10,7 +10,7 @@ from PySide6.QtCore import QItemSelectionModel, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QAbstractItemView, QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
-from cpm_app.model.document.project import STATE_WORDS, ImageRow
+from cpm_app.model.document.project import STATE_WORDS, TO_PROPOSE, ImageRow
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.image_project import ImageProject
@@ -26,8 +26,9 @@ IMAGE_COLUMNS: tuple[Column[ImageRow], ...] = (
            sort_by=lambda row: row.place),
     Column("state", tr("State"), tr("How far the work on the image is: {key:image_done} says that it is done, "
                                     "{key:image_doubtful} that it is doubtful."),
-           lambda row: str(row.words), "● untouched", sort_by=lambda row: _STATES.index(row.state)),
-    Column("objects", tr("#"), tr("Number of objects."), lambda row: row.objects, "0000", number_format=".0f"),
+           lambda row: str(row.words), max(map(str, (*STATE_WORDS.values(), TO_PROPOSE)), key=len),
+           sort_by=lambda row: _STATES.index(row.state)),
+    Column("objects", tr("Count"), tr("Number of objects."), lambda row: row.objects, "0000", number_format=".0f"),
 )  # fmt: skip
 """Columns in the order shown."""
 
