@@ -26,7 +26,7 @@ IMAGE_COLUMNS: tuple[Column[ImageRow], ...] = (
            sort_by=lambda row: row.place),
     Column("state", tr("State"), tr("How far the work on the image is: {key:image_done} says that it is done, "
                                     "{key:image_doubtful} that it is doubtful."),
-           lambda row: str(row.words), max(map(str, (*STATE_WORDS.values(), TO_PROPOSE)), key=len),
+           lambda row: str(row.words), f"{max(map(str, (*STATE_WORDS.values(), TO_PROPOSE)), key=len)}m",
            sort_by=lambda row: _STATES.index(row.state)),
     Column("objects", tr("Count"), tr("Number of objects."), lambda row: row.objects, "0000", number_format=".0f"),
 )  # fmt: skip
