@@ -104,7 +104,7 @@ def settings_of(document: Document) -> SessionFile | None:
 
 
 def has_own_work(document: Document) -> bool:
-    """Tell whether a document holds work on its image: objects, clicks, decisions, edits, or something drawn."""
+    """Tell whether a document holds work on its image: objects, clicks, or something drawn."""
     objects = document.objects
     drawn = any(not isinstance(shape, Everywhere) for shape in document.shapes)
-    return drawn or bool(objects.items or objects.clicks or objects.rejected or document.marks or document.hand_edits)
+    return drawn or bool(objects.items or objects.clicks or objects.rejected)

@@ -9,8 +9,8 @@ from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 
-from cpm_app.model.document.contours import run_document
 from cpm_app.model.document.document import ImageReference
+from cpm_app.model.document.running import run_document
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.kept_pages import record_state

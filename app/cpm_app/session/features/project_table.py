@@ -18,7 +18,8 @@ from cpm_core.formats import encode_tables_of_images, load_session, project_sess
 def write_table(images: Sequence[Path], path: Path, task: BackgroundTask) -> FilesExported:
     """Write one table of the objects of images as their sessions have them; for use on a thread.
 
-    Images without objects have no rows, and those that cannot be read are counted. ValueError if there is no object.
+    Open objects, which enclose nothing, and images without objects have no rows; images that cannot be read are
+    counted. ValueError if there is no object.
     """
     counts: list[int] = []
     failed = 0
@@ -33,15 +34,15 @@ def write_table(images: Sequence[Path], path: Path, task: BackgroundTask) -> Fil
                 failed += 1
                 continue
             if result is not None:
-                numbers = {contour.group for contour in result.contours}
+                numbers = {contour.group for contour in result.contours if contour.closed}
                 counts.append(len(numbers) if result.surface is None else len(result.surface.labels))
                 yield result
 
     content = encode_tables_of_images(measure_images())
-    if not counts:
+    if not any(counts):
         raise ValueError(tr("There is no object in any image of this folder yet."))
     write_together([(path, content)])
-    text = tr("{objects} objects in {images} images", objects=sum(counts), images=len(counts))
+    text = tr("{objects} objects in {images} images", objects=sum(counts), images=sum(map(bool, counts)))
     return FilesExported(path, f"{text}; {tr('{failed} could not be used.', failed=failed)}" if failed else text)
 
 
