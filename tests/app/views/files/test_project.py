@@ -210,7 +210,7 @@ def test_the_next_image_is_run_ahead_and_its_proposals_are_those_of_a_run_in_the
     window.session.run()
     hand.wait(lambda: scene().objects.proposals and project._prepared is not None)
     press(window, hand, DONE, "plate2.npy")
-    hand.wait(lambda: scene().objects.proposals and scene().contours.result is not None)
+    hand.wait(lambda: scene().objects.proposals and scene().contours)
     (ahead,) = scene().objects.proposals
     assert window.session.status.phase != "running"
     assert not window.document_file.unsaved
