@@ -321,6 +321,7 @@ def build_objects_result(document: Document, only: Container[int] | None = None)
             color=objects.color_of(item),
             group=item.number,
             category=class_title(objects, item.category),
+            confidence=item.confidence or None,
         )
         for item in shown
         for contour in contours_from_object(item)

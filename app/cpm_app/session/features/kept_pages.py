@@ -314,7 +314,8 @@ class PageDone:
     runs: JsonObject = field(default_factory=dict)
 
 
-def _record_state(recorder: RunRecorder, task: BackgroundTask, state: State) -> None:
+def record_state(recorder: RunRecorder, task: BackgroundTask, state: State) -> None:
+    """Record a state of a run in the background; raise `Cancelled` if the task has been cancelled."""
     task.check_cancelled()
     recorder(state)
 
@@ -342,7 +343,7 @@ def run_pages(
             recorder = RunRecorder()
             engine = Engine(image, document.parameters, document.regions)
             seeds = document.find_image_seeds(SeedCache(image))
-            result = run_document(engine, document, seeds, partial(_record_state, recorder, task))
+            result = run_document(engine, document, seeds, partial(record_state, recorder, task))
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others
