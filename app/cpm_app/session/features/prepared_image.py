@@ -54,7 +54,7 @@ def prepare_proposals(path: Path, settings: SessionFile, task: BackgroundTask) -
     if sys.platform == "linux":  # elsewhere it would hold for the whole program
         os.setpriority(os.PRIO_PROCESS, 0, _BACKGROUND_NICENESS)
     reading = DEFAULT_READING if settings.image is None else settings.image.reading
-    image = load_image(path, task.check_cancelled, **adapt_reading(path, reading))
+    image = load_image(path, check_cancelled=task.check_cancelled, **adapt_reading(path, reading))
     if math.prod(image.shape) > MAX_OFFERED_PIXELS:
         return PreparedImage(path, image.file_sha256, settings)
     parameters = limit_scales(settings.parameters, image.shape)
