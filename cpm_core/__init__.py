@@ -101,6 +101,7 @@ from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.contours.figure import write_figure
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.examples import example
+from cpm_core.formats.sessions.session_run import run
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
@@ -226,6 +227,7 @@ __all__ = [
     "reconstruct_curve",
     "reconstruct_surface",
     "report_run",
+    "run",
     "run_method",
     "seeds_at_centers",
     "seeds_everywhere",

@@ -20,7 +20,6 @@ from cpm_core.cli.inputs import (
     apply_session_review,
     fit_parameters,
     load_named_truth,
-    segment_shapes,
 )
 from cpm_core.cli.large import run_large
 from cpm_core.cli.output import (
@@ -53,14 +52,14 @@ from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenan
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, ImageFile, save_session
+from cpm_core.formats.sessions.session_run import segment_shapes
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects import Partition, Selection, VolumePartition
 from cpm_core.parameters.formatting import format_count, format_size
-from cpm_core.results import objects_result
+from cpm_core.results import replace_by_objects
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import SEEDED_METHODS
-from cpm_core.segmentation.select import select_all
 from cpm_core.shapes import SEEDING_KINDS
 
 _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
@@ -184,18 +183,15 @@ def _run_image(request: RunRequest) -> int:
         result = shown = _select_bodies(made, request)
     else:
         result = shown = apply_session_review(made, image, parameters, session, kept=request.has_session_image)
-        if request.positive_points or request.all_objects:
-            parted = Partition.from_result(result)
-            chosen = (
-                select_all(parted)
-                if request.all_objects
-                else [parted.select(request.positive_points, request.negative_points)]
-            )
-            if request.positive_points and not chosen[0].mask.any():
+        if request.positive_points:
+            chosen = (Partition.from_result(result).select(request.positive_points, request.negative_points),)
+            if not chosen[0].mask.any():
                 raise ValueError("There is no object at this position: name another one inside it.")
-            boundary = objects_result(chosen, image, channel=result.channel)
-            drew = (*result.provenance.shapes, *boundary.provenance.shapes)
-            shown = replace(boundary, provenance=replace(result.provenance, method="objects", shapes=drew))
+        elif request.all_objects:
+            chosen = tuple(one for one in result.objects if isinstance(one, Selection))
+            if not chosen:
+                raise ValueError("No object was found: name a position inside one, --object ROW,COL.")
+        shown = replace_by_objects(result, chosen) if chosen else result
     seconds = time.perf_counter() - started
     files = OutputFiles()
     files.export_result(

@@ -20,7 +20,7 @@ from cpm_core.cli.arguments import (
     parse_part,
     refuse_options,
 )
-from cpm_core.cli.inputs import is_volume_session, load_named_session, locate_image, read_starts
+from cpm_core.cli.inputs import load_named_session, locate_image, read_starts
 from cpm_core.field.volume_field import check_volume_parameters
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,

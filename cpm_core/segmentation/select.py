@@ -14,8 +14,9 @@ from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.objects.all_objects import find_objects_everywhere, find_similar_objects
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
-from cpm_core.objects.volume_partition import VolumePartition
+from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 from cpm_core.parameters import Parameters
+from cpm_core.results.found_objects import rank_objects
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 
@@ -53,12 +54,12 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     if isinstance(values, Result):
         return Partition.from_result(values) if values.surface is None else VolumePartition.from_result(values)
     image = as_image(values)
-    return VolumePartition(image) if image.ndim == 3 else _partition_from_run(image, params)
+    return VolumePartition(image) if image.ndim == 3 else Partition.from_result(_run_everywhere(image, params))
 
 
-def _partition_from_run(image: Image, params: Parameters | None = None) -> Partition:
-    """Make the partition of an image with the contours that a run from everywhere finds in it."""
-    return Partition.from_result(segment(image, uniform_grid(image.shape), params or EVERYWHERE_PARAMETERS))
+def _run_everywhere(image: Image, params: Parameters | None = None) -> Result:
+    """Find the contours of an image by a run from everywhere."""
+    return segment(image, uniform_grid(image.shape), params or EVERYWHERE_PARAMETERS)
 
 
 def select(
@@ -96,26 +97,29 @@ def select(
     [True, False]
     """
     image = as_plane(values)
-    cut = Partition(image, ()) if prior else replace(_partition_from_run(image), uses_network=False)
+    cut = Partition(image, ()) if prior else replace(Partition.from_result(_run_everywhere(image)), uses_network=False)
     places = np.concatenate([as_positions(given, "rows and columns") for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
 
-def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] = ()) -> tuple[Selection, ...]:
+def select_all(
+    values: ArrayLike | Image | Result | Partition, like: Sequence[Selection] = ()
+) -> tuple[Selection | VolumeSelection, ...]:
     """Select all objects of an image, or all that are similar to some.
 
     Parameters
     ----------
-    values : array_like, shape (H, W), or Image, or Partition
-        Image.
+    values : array_like, shape (H, W), or Image, or Result, or Partition
+        An image, in which a run from everywhere finds the contours; the result of a run, whose `Result.objects` are
+        selected; or a partition.
     like : sequence of Selection
-        Some of them. Without any, particles find the contours of the whole image, unless it is a partition, and the
-        network evaluates the parts between them: likely and unambiguous objects are selected.
+        Some of them. Without any, the likely and the unambiguous objects are selected.
 
     Returns
     -------
-    tuple of Selection
-        The objects, given ones first. None overlap, except objects in objects, such as a nucleus in a cell.
+    tuple of Selection, or of VolumeSelection
+        The objects, given ones first, otherwise the best. None overlap, except objects in objects, such as a nucleus
+        in a cell.
 
     Examples
     --------
@@ -124,9 +128,13 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
     (2, 2)
     """
     if not like:
-        cut = values if isinstance(values, Partition) else _partition_from_run(as_plane(values))
-        return tuple(find_objects_everywhere(cut))
-    cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
+        if isinstance(values, Partition):
+            return rank_objects(find_objects_everywhere(values))
+        return (values if isinstance(values, Result) else _run_everywhere(as_plane(values))).objects
+    if isinstance(values, Result):
+        cut = Partition.from_result(values)
+    else:
+        cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
     found = list(like)
     taken = np.any([one.mask for one in like], axis=0)
     for one in like:
