@@ -102,8 +102,8 @@ def locate_image(named: str | None, session: SessionFile, source: str | Path | N
 
 def fit_parameters(image: Image, parameters: Parameters, *, scales: bool = True) -> Parameters:
     """Print the notes on an image, and return parameters with as many `scales` as it has room for."""
-    notes = image.notes if image.ndim == 3 else list_image_notes(image, parameters)
-    if scales and image.ndim == 2:
+    notes = list_image_notes(image, parameters)
+    if scales:
         parameters, more = fit_scales_to_image(parameters, image)
         notes += more
     print_notes(image.source, notes)
@@ -112,14 +112,14 @@ def fit_parameters(image: Image, parameters: Parameters, *, scales: bool = True)
 
 def fit_scales_to_image(parameters: Parameters, image: Image) -> tuple[Parameters, Texts]:
     """Return parameters with as many scales as an image has room for, and a note where that changes them."""
-    fit = limit_scales(parameters, image.shape)
+    fit = limit_scales(parameters, image.shape) if image.ndim == 2 else parameters
     return fit, () if fit == parameters else (f"The image is small: scales is set to {fit.scales}.",)
 
 
 def list_image_notes(image: Image, parameters: Parameters) -> Texts:
     """Return notes on the differences between the file of an image and the gray levels that a run takes."""
     wanted = parameters.channel
-    if wanted == "luminance":
+    if wanted == "luminance" or image.ndim == 3:
         return image.notes
     if image.colors is None:
         return (*image.notes, f"The image is gray: it has no channel {wanted}.")

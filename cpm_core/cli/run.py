@@ -109,8 +109,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     named.add_argument(
         "--objects",
         action="store_true",
-        help="all objects: those that closed contours enclose, and what lies between contours and is likely one; they "
-        "are written instead of the contours (without a start, particles start everywhere)",
+        help="the objects that the run proposes, as the window does: of a start everywhere all of the image, of drawn "
+        "ones the object of each; they are written instead of the contours (without a start, particles start "
+        "everywhere)",
     )
     start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
     start.add_argument(
@@ -180,7 +181,7 @@ def _run_image(request: RunRequest) -> int:
     made = record_drawn_shapes(found, request.collect_drawn_shapes(image), request.describe_start_files())
     chosen: Sequence[Selection] = ()
     if request.is_volume:
-        result = shown = _select_bodies(made, request)
+        result, shown = made, _select_bodies(made, request)
     else:
         result = shown = apply_session_review(made, image, parameters, session, kept=request.has_session_image)
         if request.positive_points:
@@ -189,9 +190,8 @@ def _run_image(request: RunRequest) -> int:
                 raise ValueError("There is no object at this position: name another one inside it.")
         elif request.all_objects:
             chosen = tuple(one for one in result.objects if isinstance(one, Selection))
-            if not chosen:
-                raise ValueError("No object was found: name a position inside one, --object ROW,COL.")
-        shown = replace_by_objects(result, chosen) if chosen else result
+        if request.positive_points or request.all_objects:
+            shown = replace_by_objects(result, chosen)
     seconds = time.perf_counter() - started
     files = OutputFiles()
     files.export_result(
@@ -217,7 +217,7 @@ def _run_image(request: RunRequest) -> int:
         with files.record_writing(request.session_file):
             save_session(add_recorded_run(whole, recorder), Path(request.session_file))
     if request.is_volume:
-        facts, lines = _describe_surface(result, seconds)
+        facts, lines = _describe_surface(made, shown, seconds)
     else:
         facts, lines = _describe_contours(result, chosen, seconds)
         written = [path for path in files.written if path in request.exports]
@@ -230,7 +230,9 @@ def _run_image(request: RunRequest) -> int:
 
 
 def _select_bodies(found: Result, request: RunRequest) -> Result:
-    """Restrict the surface of a result to the bodies that contain the positive points, if any."""
+    """Restrict the surface of a result to the objects of the run, or to the bodies with the positive points, if any."""
+    if request.all_objects:
+        return replace_by_objects(found, found.objects)
     if not request.positive_points:
         return found
     chosen = VolumePartition.from_result(found).select(request.positive_points, request.negative_points)
@@ -278,9 +280,9 @@ def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: flo
     return facts, [*lines, *_describe_run(result, seconds)]
 
 
-def _describe_surface(result: Result, seconds: float) -> tuple[JsonDict, list[str]]:
-    """Describe a surface, as values by name and as sentences."""
-    surface = result.surface
+def _describe_surface(result: Result, shown: Result, seconds: float) -> tuple[JsonDict, list[str]]:
+    """Describe the surface that is shown of a result, as values by name and as sentences."""
+    surface = shown.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts: JsonDict = {
         **collect_run_facts(result, seconds),
@@ -290,6 +292,8 @@ def _describe_surface(result: Result, seconds: float) -> tuple[JsonDict, list[st
         "area": round(surface.area, 3) if surface is not None else None,
     }
     lines = [f"{result.source}: a surface of {format_count(faces, 'triangle')}, with {vertices:,} corners"]
+    if shown is not result and surface is not None:
+        lines[0] += f" around {format_count(surface.components, 'part')}"
     lines += _describe_run(result, seconds)
     if result.image is not None:
         facts |= collect_geometry_facts(result.image)

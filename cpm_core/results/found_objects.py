@@ -113,7 +113,7 @@ def is_run_everywhere(result: RunOutcome) -> bool:
 
 
 def _relative_sides(image: Image) -> Sides:
-    """Return the sides of a pixel by which distances of seeds are measured: those of a voxel, as particles feel them."""
+    """Return the sides of a pixel that distances of seeds are measured by: in a volume as particles feel them."""
     return pitch_of(image.spacing) if image.ndim == 3 else (1.0, 1.0)
 
 

@@ -42,9 +42,11 @@ def test_an_object_is_told_as_json_and_written_as_a_mask_of_one_label(disk, told
 def test_all_objects_are_told_and_written(disk, told, tmp_path):
     mask = tmp_path / "mask.png"
     found = told("run", disk, "--objects", "--export", mask)["objects"]
-    areas = [np.pi * (RADIUS**2 - 6.0**2), np.pi * 12.0**2]
-    assert [one["area"] for one in found] == pytest.approx(areas, rel=0.06)
-    assert np.bincount(np.asarray(PIL.Image.open(mask)).ravel())[1:] == pytest.approx(areas, rel=0.06)
+    areas = [np.pi * 12.0**2, np.pi * (RADIUS**2 - 6.0**2)]
+    assert sorted(one["area"] for one in found) == pytest.approx(areas, rel=0.06)
+    told_areas, sure = [one["area"] for one in found], [one["confidence"] for one in found]
+    assert np.bincount(np.asarray(PIL.Image.open(mask)).ravel())[1:] == pytest.approx(told_areas, rel=0.06)
+    assert sure == sorted(sure, reverse=True)
 
 
 def test_a_person_is_told_of_the_object(disk, command):
