@@ -10,8 +10,8 @@ import PIL.Image
 import pytest
 import tifffile
 
-from cpm_core.formats.sessions import session_run
 from cpm_core.formats.common.content import compute_fingerprint
+from cpm_core.formats.sessions import session_run
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
 ROOT = Path(__file__).parents[3]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -23,9 +23,8 @@ from cpm_app.session.features.selector import (
     AnyPartition,
     Offer,
     PartitionUpdater,
-    SeededStart,
     Selector,
-    find_all_objects,
+    find_proposals,
     measure_extent,
 )
 from cpm_app.session.features.stack_pages import StackPages
@@ -37,7 +36,6 @@ from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.segmented import Click, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
-from cpm_core.shapes import Everywhere, Start
 
 _SAME_OBJECT_COVERAGE = 0.5
 """Share of an object covered by others from which it counts as one of them."""
@@ -114,7 +112,7 @@ class ObjectSelection(QObject):
         self._finding = ENDED_TASK
         self.partition_updater = PartitionUpdater(
             session,
-            lambda: self._in_use or self.selecting or bool(self._offered_starts or followed_objects.search),
+            lambda: self._in_use or self.selecting or bool(self._offers_run or followed_objects.search),
         )
         self.partition_updater.changed.connect(self._request_answer)
         self.partition_updater.changed.connect(self.changed)
@@ -338,18 +336,16 @@ class ObjectSelection(QObject):
         return next(((each.clicks, each.number) for each in self.proposals if each.key == number), ((), 0))
 
     @property
-    def _offered_starts(self) -> tuple[Start, ...]:
-        """The starts whose objects are offered, because the run from them has ended with a result.
+    def _offers_run(self) -> bool:
+        """Whether the objects of the run are offered, because it has ended with a result.
 
-        On a large image, or if the starts come from the previous page, there are none unless the tool for objects is in
+        On a large image, or if the starts come from the previous page, they are not unless the tool for objects is in
         use.
         """
         document, result = self._session.document, self._session.scene.contours.result
-        if result is None or not result.stop_reason or document.mode == "skeleton":
-            return ()
-        if not self._in_use and (math.prod(result.shape) > MAX_OFFERED_PIXELS or not self._pages.is_drawn(document)):
-            return ()
-        return document.starts
+        if result is None or not result.stop_reason or document.mode == "skeleton" or not document.starts:
+            return False
+        return self._in_use or (math.prod(result.shape) <= MAX_OFFERED_PIXELS and self._pages.is_drawn(document))
 
     def _on_scene_changed(self) -> None:
         """Offer the objects of a run once it has ended, but none of one that has been reset or continues."""
@@ -360,25 +356,21 @@ class ObjectSelection(QObject):
             self._request_answer()
 
     def _make_offer(self, partition: AnyPartition) -> Offer:
-        """Return the objects of the previous page, or the offer of the run: everything if it has started everywhere."""
-        starts, source, rejected = (
-            self._offered_starts,
-            self.partition_updater.source,
-            self._session.document.objects.rejected,
-        )
-        search = self._followed_objects.search
-        if not (isinstance(partition, Partition) and (search or any(isinstance(each, Everywhere) for each in starts))):
-            return Offer(tuple(start for start in starts if isinstance(start, SeededStart)), (), rejected)
-        if self._searched is not partition and (search or (isinstance(source, Result) and source.stop_reason)):
+        """Return the objects of the previous page, or what the run proposes."""
+        source, offers_run = self.partition_updater.source, self._offers_run
+        follow = self._followed_objects.search if isinstance(partition, Partition) else None
+        ended = isinstance(source, Result) and bool(source.stop_reason) and offers_run
+        if self._searched is not partition and (follow or ended):
             self._searched, self._found = partition, ()
             self._finding.cancel()
             self._finding = self._session.tasks.start_task(
-                tr("Following objects…") if search else tr("Finding objects between the contours…"),
-                partial(search or find_all_objects, partition),
+                tr("Following objects…") if follow else tr("Finding the objects of the run…"),
+                partial(follow, partition) if follow else partial(find_proposals, cast("Result", source)),
                 tr("finding objects"),
                 on_result=partial(self._on_objects_found, partition),
             )
-        return Offer((), self._found if self._searched is partition else (), rejected)
+        found = self._found if self._searched is partition and (follow or offers_run) else ()
+        return Offer(found, self._session.document.objects.rejected)
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
