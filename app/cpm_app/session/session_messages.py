@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject, Signal
 
+from cpm_app.model.state.messages import BATCH_CATEGORY
 from cpm_app.model.text.language import elide_middle
 
 OPENING_CATEGORY = "opening"
@@ -36,7 +37,7 @@ JOURNAL_CATEGORY = "journal"
 UNEXPECTED_CATEGORY = "unexpected"
 """Category of messages about unexpected errors."""
 
-PROGRAM_CATEGORIES = (RECOVERY_CATEGORY, JOURNAL_CATEGORY, UNEXPECTED_CATEGORY)
+PROGRAM_CATEGORIES = (RECOVERY_CATEGORY, JOURNAL_CATEGORY, UNEXPECTED_CATEGORY, BATCH_CATEGORY)
 """Categories of messages that do not concern the open image, and stay when another one is opened."""
 
 

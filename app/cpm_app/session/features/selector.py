@@ -224,6 +224,7 @@ _SAMPLED_PIXELS = 100
 _MAX_KEPT_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
 
+
 @frozen
 class Offer:
     """Offer of a run: the objects that it proposes, and the rejected ones to leave out."""

@@ -307,8 +307,7 @@ def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, 
 
     def found(result, task):
         likely = [
-            replace(each, selection=replace(each.selection, confidence=0.9))
-            for each in find_proposals(result, task)
+            replace(each, selection=replace(each.selection, confidence=0.9)) for each in find_proposals(result, task)
         ]
         doubtful = replace(partition(result).select(np.array([corner])), confidence=0.4)
         return (*likely, Proposal(doubtful, (Click((corner,)),)))
