@@ -60,13 +60,13 @@ class BatchDialog(QDialog):
             )
         self.summary = create_wrapped_label()
         self.summary.setMinimumHeight(2 * self.summary.fontMetrics().lineSpacing())
-        buttons = AcceptButtons(self, tr("&Run"))
+        buttons = AcceptButtons(self, tr("&Find objects"))
         self.run_button = buttons.accept_button
         form = QFormLayout()
         form.addRow(tr("Formats"), self.list)
         form.addRow(tr("Folder"), QLabel(elide_middle(str(results_folder(folder)))))
         form.addRow(self.summary)
-        heading = tr("The objects of {count} images in {folder} are found and written.")
+        heading = tr("Find the objects of {count} images in {folder}, and write them.")
         lay_out_form(self, heading.format(count=len(images), folder=folder.name), form, buttons)
         self.run_button.setDefault(True)
         self.list.itemChanged.connect(self._show_summary)
@@ -87,8 +87,8 @@ class BatchDialog(QDialog):
 
     def _show_summary(self) -> None:
         count = count_written_files(self._folder, self.suffixes)
-        text = tr("Files there that are replaced: {count}, except those of images done with the same session.")
-        text = text.format(count=count) if count else tr("Nothing there is replaced.")
+        text = tr("Files that will be replaced: {count}, except for images already done with this session.")
+        text = text.format(count=count) if count else tr("No file will be replaced.")
         problem = "" if self.suffixes else tr("Choose what to export.")
         if not self._images:
             problem = tr("This folder contains no readable image: choose another one.")

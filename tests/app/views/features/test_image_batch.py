@@ -57,7 +57,7 @@ def test_a_folder_gets_the_objects_as_by_the_command_line_in_the_checked_formats
     ready: MainWindow, hand: Hand, folder, tmp_path
 ) -> None:
     dialog = ask(hand)
-    assert (dialog.suffixes, dialog.summary.text()) == ((".table.csv",), "Nothing there is replaced.")
+    assert (dialog.suffixes, dialog.summary.text()) == ((".table.csv",), "No file will be replaced.")
     check(dialog)
     assert not dialog.run_button.isEnabled()
     check(dialog, "labelme", "Labels, TIFF", "CSV, one row per object")
@@ -75,7 +75,7 @@ def test_a_folder_gets_the_objects_as_by_the_command_line_in_the_checked_formats
     assert {path.name for path in (folder / "objects").iterdir()} == {"session.cpm", "summary.csv", *names}
     dialog = ask(hand)
     assert dialog.suffixes == (".labelme.json", ".tif", ".table.csv")
-    assert dialog.summary.text().startswith("Files there that are replaced: 3, except")
+    assert dialog.summary.text().startswith("Files that will be replaced: 3, except")
     dialog.reject()
 
 
