@@ -102,12 +102,12 @@ def rank_objects(found: Iterable[Selection]) -> tuple[Selection, ...]:
 
 
 def is_run_everywhere(result: RunOutcome) -> bool:
-    """Return whether a run began everywhere: evenly, on all strong edges, or at all centers; also without seeds."""
+    """Return whether a run began everywhere: evenly, on strong edges, or at all centers; also without seeds."""
     image, seeds, regions = require_image(result), result.seeds, result.regions
     if not len(seeds) or is_everywhere(seeds, image.shape, regions, _relative_sides(image)):
         return True
     on_pixels = (seeds == np.rint(seeds)).all(axis=1)  # those of rules are, but for some at the border
-    return (on_pixels.all() and _covers_strong_edges(result, image)) or (
+    return (bool(on_pixels.all()) and _begins_on_edges(result, image)) or (
         bool(on_pixels.mean() > 0.5) and _covers_centers(result, image)
     )
 
@@ -117,8 +117,8 @@ def _relative_sides(image: Image) -> Sides:
     return pitch_of(image.spacing) if image.ndim == 3 else (1.0, 1.0)
 
 
-def _covers_strong_edges(result: RunOutcome, image: Image) -> bool:
-    """Return whether seeds are on nearly all strong edges of an image, where they may be."""
+def _begins_on_edges(result: RunOutcome, image: Image) -> bool:
+    """Return whether nearly all seeds, on whole pixels, are on strong edges, or nearly all strong edges have seeds."""
     smoothing = result.provenance.parameters.get("smoothing", 1.0)
     if image.ndim == 3:
         strength = volume_edge_strength(image, smoothing if isinstance(smoothing, float) else 1.0)
@@ -126,11 +126,12 @@ def _covers_strong_edges(result: RunOutcome, image: Image) -> bool:
         gray = image.gray_levels(result.channel)
         sigma = smoothing if isinstance(smoothing, float) else automatic_smoothing(gray)
         strength = edge_map(limit_specks(gray), sigma)
-    seeded = np.zeros(image.shape, bool)
-    seeded[tuple(result.seeds.astype(np.int64).T)] = True
     strong = strength > STRONG_EDGE_FRACTION * strength.max()
     strong[strong] = is_allowed(np.argwhere(strong).astype(float), result.regions)
-    return bool(running_maximum(seeded, _SEEDING_TOLERANCE)[strong].mean() >= _MIN_RULE_SHARE)
+    seeded, at = np.zeros(image.shape, bool), tuple(result.seeds.astype(np.int64).T)
+    seeded[at] = True
+    covered = running_maximum(seeded, _SEEDING_TOLERANCE)[strong]
+    return bool(max(strong[at].mean(), covered.mean() if covered.size else 0.0) >= _MIN_RULE_SHARE)
 
 
 def _covers_centers(result: RunOutcome, image: Image) -> bool:

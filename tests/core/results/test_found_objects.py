@@ -11,7 +11,8 @@ import cpm_core as cpm
 from cpm_core.formats import SessionFile, save_session
 from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.results.found_objects import is_run_everywhere, split_seeds
-from cpm_core.shapes import Circle, Everywhere, Grid, Sphere
+from cpm_core.shapes import Circle, Everywhere, Grid, Sphere, Threshold
+from cpm_core.shapes.document_shapes import compute_seeds
 
 ONE, OTHER = (18.0, 18.0), (43.0, 42.0)
 SIDES = (1.0, 1.0)
@@ -36,6 +37,8 @@ def run(image: cpm.Image, seeds, **more) -> cpm.Result:
         lambda image: np.concatenate([cpm.uniform_grid(image.shape), cpm.circle(ONE, 5)]),
         lambda image: cpm.gradient_threshold(image.values),
         lambda image: cpm.divergence_centers(image.values),
+        lambda image: cpm.gradient_threshold(image.values, fraction=0.02),
+        lambda image: compute_seeds(image, [Threshold(((2.0, 2.0), (2.0, 60.0), (60.0, 60.0), (60.0, 2.0)))], 1.0),
     ],
 )
 def test_a_run_from_everywhere_proposes_all_objects_the_best_first(disks, seed) -> None:
