@@ -23,7 +23,7 @@ from cpm_core.objects.selection import Selection, compute_iou
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, VolumeSelection, require_image
 from cpm_core.parameters.provenance import Provenance
 
-FoundObjects = tuple[Selection, ...] | tuple[VolumeSelection, ...]
+FoundObjects = tuple[Selection | VolumeSelection, ...]
 """The objects that a run proposes, the best first."""
 
 _MIN_RULE_SHARE = 0.95
@@ -138,7 +138,7 @@ def _covers_centers(result: RunOutcome, image: Image) -> bool:
     """Return whether seeds are at nearly all centers of divergence of an image, where they may be."""
     centers = seeds_at_centers(image) if image.ndim == 3 else divergence_centers(image.gray_levels(result.channel))
     centers = centers[is_allowed(centers, result.regions)]
-    away, _ = scipy.spatial.cKDTree(result.seeds).query(centers)
+    away = np.asarray(scipy.spatial.cKDTree(result.seeds).query(centers)[0])
     return bool(len(centers) and (away <= _SEEDING_TOLERANCE).mean() >= _MIN_RULE_SHARE)
 
 
@@ -151,7 +151,7 @@ def split_seeds(seeds: Array, sides: Sides) -> Arrays:
     count = min(_NEAREST_SEEDS, len(seeds) - 1)
     if not count:
         return (seeds,)
-    away, near = scipy.spatial.cKDTree(places).query(places, k=np.arange(2, count + 2))
+    away, near = map(np.asarray, scipy.spatial.cKDTree(places).query(places, k=np.arange(2, count + 2)))
     nearest = np.maximum(away[:, 0], 1.0)  # seeds may coincide
     in_lattice = away[:, min(2, count - 1)] <= _LATTICE_SLACK * nearest if count > 2 else np.zeros(len(seeds), bool)
     joined = away <= _ROW_SLACK * np.minimum(nearest[:, None], nearest[near])

@@ -23,7 +23,7 @@ from cpm_core.results.result import Result
 
 
 def objects_result(
-    selections: Sequence[Selection] | Sequence[VolumeSelection],
+    selections: Sequence[Selection | VolumeSelection],
     image: Image,
     names: Sequence[str] = (),
     channel: str = "luminance",
@@ -100,7 +100,7 @@ def _measure_gaps(selections: Sequence[Selection], gray: Array) -> list[Bridge]:
     return bridges
 
 
-def replace_by_objects(result: Result, selections: Sequence[Selection] | Sequence[VolumeSelection]) -> Result:
+def replace_by_objects(result: Result, selections: Sequence[Selection | VolumeSelection]) -> Result:
     """Replace what a run found by objects selected from it; the provenance is that of the run, with the objects."""
     found = objects_result(selections, require_image(result), channel=result.channel)
     drawn = (*result.provenance.shapes, *found.provenance.shapes)

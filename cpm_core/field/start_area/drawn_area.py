@@ -115,9 +115,10 @@ def is_everywhere(points: Array, shape: Extent, regions: AnyRegions | None = Non
     """
     if len(points) < MIN_DRAWN_PLACES:
         return False
-    extent, share = np.array(shape) * sides, 1.0
+    extent, share = np.array(shape) * np.array(sides), 1.0
     if regions is not None:
-        share = max(float(regions.contains(_cell_centers(shape, (_REGION_SAMPLES,) * len(shape))).mean()), 1e-9)
+        samples = _cell_centers(shape, (_REGION_SAMPLES,) * len(shape))
+        share = max(int(np.count_nonzero(regions.contains(samples))), 1) / len(samples)
     side = _EVEN_SIDE * (share * np.prod(extent) / len(points)) ** (1.0 / len(shape))
     cells = tuple(np.maximum(np.rint(extent / side), 1).astype(int).tolist())
     place = np.clip((points + 0.5) / np.array(shape) * cells, 0, np.array(cells) - 1).astype(int)
@@ -126,7 +127,7 @@ def is_everywhere(points: Array, shape: Extent, regions: AnyRegions | None = Non
         wanted = regions.contains(_cell_centers(shape, cells))
     taken = np.zeros(len(wanted), bool)
     taken[np.ravel_multi_index(tuple(place.T), cells)] = True
-    return bool(np.count_nonzero(taken & wanted) > _EVEN_SHARE * max(np.count_nonzero(wanted), 1))
+    return bool(np.count_nonzero(taken & wanted) > _EVEN_SHARE * max(int(np.count_nonzero(wanted)), 1))
 
 
 def _cell_centers(shape: Extent, cells: Sequence[int]) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from os import PathLike
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -66,7 +67,7 @@ def run(
     if not select_starts(known.shapes):
         named = "The session" if isinstance(session, SessionFile) else str(session)
         raise ValueError(f"{named} has no start: draw one, or start everywhere, and save it again.")
-    image = load_session_image(values, known) if isinstance(values, str | Path) else as_image(values)
+    image = load_session_image(values, known) if isinstance(values, str | PathLike) else as_image(values)
     wanted = parameters or known.parameters
     wanted = limit_scales(wanted, image.shape) if image.ndim == 2 else wanted
     found = segment_shapes(image, known.shapes, wanted, known, max_steps=max_steps, progress=progress)

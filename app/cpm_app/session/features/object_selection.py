@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -274,7 +275,8 @@ class ObjectSelection(QObject):
         example = known[number]
 
         def find_new(task: BackgroundTask) -> list[Selection]:
-            alike = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
+            found = select_all(partition, [selection_from_object(example, partition.shape)])
+            alike = [each for each in found[1:] if isinstance(each, Selection)]
             taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
             return [each for each in alike if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
 
@@ -357,20 +359,21 @@ class ObjectSelection(QObject):
 
     def _make_offer(self, partition: AnyPartition) -> Offer:
         """Return the objects of the previous page, or what the run proposes."""
-        source, offers_run = self.partition_updater.source, self._offers_run
-        follow = self._followed_objects.search if isinstance(partition, Partition) else None
-        ended = isinstance(source, Result) and bool(source.stop_reason) and offers_run
-        if self._searched is not partition and (follow or ended):
+        source, follow = self.partition_updater.source, self._followed_objects.search
+        rejected = self._session.document.objects.rejected
+        find: Callable[[BackgroundTask], tuple[Proposal, ...]]
+        if follow is not None and isinstance(partition, Partition):
+            find, name = partial(follow, partition), tr("Following objects…")
+        elif self._offers_run and isinstance(source, Result) and source.stop_reason:
+            find, name = partial(find_proposals, source), tr("Finding the objects of the run…")
+        else:
+            return Offer((), rejected)
+        if self._searched is not partition:
             self._searched, self._found = partition, ()
             self._finding.cancel()
-            self._finding = self._session.tasks.start_task(
-                tr("Following objects…") if follow else tr("Finding the objects of the run…"),
-                partial(follow, partition) if follow else partial(find_proposals, cast("Result", source)),
-                tr("finding objects"),
-                on_result=partial(self._on_objects_found, partition),
-            )
-        found = self._found if self._searched is partition and (follow or offers_run) else ()
-        return Offer(found, self._session.document.objects.rejected)
+            found = partial(self._on_objects_found, partition)
+            self._finding = self._session.tasks.start_task(name, find, tr("finding objects"), on_result=found)
+        return Offer(self._found, rejected)
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
