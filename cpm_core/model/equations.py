@@ -222,10 +222,10 @@ def creeping_range(parameters: Parameters) -> float:
 
     It is the parameter `reach` at the values of the paper. Repulsion drives a front against the hold of the edges,
     ``w1 / (w2 - w1)``, for as many steps as annealing leaves, ``1 / (1 - a)``, over stretches as long as a particle
-    coasts against the damping, which grow with ``1 / beta^2``.
+    coasts against the damping, which grow with ``1 / beta^2``. An unlimited reach, that of
+    every volume, sets no limit with as much drive as that of the paper; with less it counts as a reach of its length.
     """
-    if parameters.reach >= UNLIMITED_REACH:
-        return float("inf")
     if parameters.annealing == 1.0:
         return float("inf") if parameters.reach * parameters.w1 > 0.0 else 0.0
-    return parameters.reach * (_creeping_drive(parameters) / _creeping_drive(_PAPER))
+    drive = _creeping_drive(parameters) / _creeping_drive(_PAPER)
+    return float("inf") if parameters.reach >= UNLIMITED_REACH and drive >= 1.0 else parameters.reach * drive

@@ -40,7 +40,7 @@ class Particles:
         Number of each, used once only in a run.
     crept : ndarray, shape (N,)
         Distance that each, or the front that it descends from, has crept along edges since it left the area of the
-        start [px].
+        start, or in a volume the particles of the start [px].
 
     Examples
     --------

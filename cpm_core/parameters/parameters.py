@@ -31,7 +31,8 @@ class Parameters:
     ----------
     reach : float
         Distance that particles creep along edges outside the area of their start, at the paper's damping, weights and
-        annealing [px]; at `UNLIMITED_REACH` there is no area, and every connected edge is reached.
+        annealing [px]; at `UNLIMITED_REACH`, as always in a volume, there is no area, and with these values every
+        connected edge is reached.
     weakest_edge : float
         Edges weaker than this fraction of those around the area of the start hold no particles.
     beta : float

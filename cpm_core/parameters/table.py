@@ -76,14 +76,14 @@ _PARAMETER_TABLE = (
     ParameterInfo(
         "beta", "β", "", 0.0, 4.0, 0.1, 2.0, 0.05, "Damping",
         "Friction that slows the particles down.",
-        "Smaller values make particles faster, carry them across weak edges and let them creep farther out of the area "
-        "of their start, so that they find more.",
+        "Smaller values make particles faster, carry them across weak edges and let them creep farther from their "
+        "start, so that they find more.",
         "nothing", "eq. (12)",
     ),
     ParameterInfo(
         "w1", "w₁", "", 0.0, 100.0, 0.05, 3.0, 0.05, "Repulsion",
         "Weight of the repulsion between particles, the Coulomb force; it must stay below w₂.",
-        "Larger values push particles faster along edges, deeper into bays and farther out of the area of their start.",
+        "Larger values push particles faster along edges, deeper into bays and farther from their start.",
         "nothing", "eq. (12)",
     ),
     ParameterInfo(
@@ -96,8 +96,7 @@ _PARAMETER_TABLE = (
         "annealing", "a", "", 0.0, 1.0, 0.9, 1.0, 0.001, "Annealing",
         "Factor by which the insertion range of a particle shrinks at every step in which nothing new is found near "
         "it.",
-        "Larger values insert particles for longer and let them creep farther out of the area of their start, at 1 "
-        "without end.",
+        "Larger values insert particles for longer and let them creep farther from their start, at 1 without end.",
         "nothing", "section 3.6",
     ),
     ParameterInfo(

@@ -7,6 +7,9 @@ Ahead: a seated particle sorts its neighbors on the same sheet by their directio
 two of them is divided into steps of about 60 degrees, and each step is a place for a new particle, ``0.9 d_min`` ahead,
 pulled to the ridge of the edge map: there must be an edge that is strong enough, not turned to another sheet, and room.
 
+A new particle has crept as far as the one that it is next to and the way from there, no farther than the creeping
+range.
+
 Of two particles of one sheet nearer than half of ``d_min`` one is deleted, as in the plane.
 """
 
@@ -36,7 +39,16 @@ from cpm_core.model.volume.state import VolumeParticles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.vectors import Vector, dot, move_along, row_of, scale_vector, subtract_vectors, vector_length
+from cpm_core.numerics.vectors import (
+    Vector,
+    dot,
+    move_along,
+    row_lengths,
+    row_of,
+    scale_vector,
+    subtract_vectors,
+    vector_length,
+)
 
 _CLOSE_PER_THREAD = 2_000
 """Particles from which a second thread makes the search faster."""
@@ -140,11 +152,12 @@ _Search = tuple[VolumeCells, Index, _Sheets, _Edge, Array, Index]
 
 
 class VolumeBirths(NamedTuple):
-    """New particles: positions and normals, shape (M, 3), and edge strengths, shape (M,)."""
+    """New particles: positions and normals, shape (M, 3), edge strengths and distances crept, shape (M,)."""
 
     position: Array
     normal: Array
     strength: Array
+    crept: Array
 
 
 def find_surface_insertions(
@@ -155,11 +168,12 @@ def find_surface_insertions(
     d_min: float,
     d_max: float = 0.0,
     placed: ChargesAtScale = NO_PLACED_CHARGES,
+    farthest: float = np.inf,
 ) -> VolumeBirths:
     """Find places for new particles next to those on surfaces that have their turn, in the order of these.
 
-    `turn`, shape (K,), are indices of particles; `d_max` is the annealed insertion range [units]. There are no places
-    where placed charges pull particles off the edge.
+    `turn`, shape (K,), are indices of particles; `d_max` is the annealed insertion range, `farthest` the creeping range
+    [units]. There are no places where placed charges pull particles off the edge.
     """
     looking, looks = turn[particles.on_surface[turn]], np.zeros(len(particles), bool)
     looks[looking] = True
@@ -169,10 +183,13 @@ def find_surface_insertions(
     search = partial(_search_places, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
     run_in_parallel(search, len(looking), _SURFACE_SEARCHES_PER_THREAD)
     places, parents = found[np.arange(_MAX_NEW_AROUND) < count[:, None]], np.repeat(looking, count)
-    places = places[~field.crosses_wall(particles.position[parents], places[:, :3])]
-    places = places[~find_torn_off(placed, places[:, :3], places[:, 3:6])]
-    some = places[select_spaced(places[:, :3], places[:, 3:6], NEW_PARTICLE_ROOM * d_min)]
-    return VolumeBirths(some[:, :3].copy(), some[:, 3:6].copy(), some[:, 6].copy())
+    crept = particles.crept[parents] + row_lengths(places[:, :3] - particles.position[parents])
+    free = (crept <= farthest) & ~field.crosses_wall(particles.position[parents], places[:, :3])
+    free &= ~find_torn_off(placed, places[:, :3], places[:, 3:6])
+    places, crept = places[free], crept[free]
+    some = select_spaced(places[:, :3], places[:, 3:6], NEW_PARTICLE_ROOM * d_min)
+    position, normal, strength = places[some, :3], places[some, 3:6], places[some, 6]
+    return VolumeBirths(position, normal, strength, crept[some])
 
 
 @compiled

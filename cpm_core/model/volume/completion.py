@@ -58,9 +58,14 @@ _RIDGES_PER_THREAD = 2_000
 """Ridges from which a second thread makes the search faster."""
 
 
-def reseed_surface(state: VolumeState, field: VolumeField, d_min: float) -> VolumeState | None:
-    """Add particles on the stretches that fronts did not reach; return None when there are none."""
-    if state.reseedings >= MAX_VOLUME_RESEEDINGS or state.erased:
+def reseed_surface(state: VolumeState, field: VolumeField, d_min: float, farthest: float) -> VolumeState | None:
+    """Add particles on the stretches that fronts did not reach; return None when there are none.
+
+    They count as crept a spacing farther than any other. So there are none once a front has been stopped by the
+    creeping range `farthest` [units].
+    """
+    crept = float(state.particles.crept.max()) + _RESEEDED_SPACING * d_min
+    if state.reseedings >= MAX_VOLUME_RESEEDINGS or state.erased or crept > farthest:
         return None
     ridges = field.ridges
     if field.walls is not None:  # which divide connected parts: keep the ridges in rooms with particles
@@ -85,7 +90,12 @@ def reseed_surface(state: VolumeState, field: VolumeField, d_min: float) -> Volu
     chosen, position = chosen[free], position[free]
     step = state.step_of_scale
     more = VolumeParticles.at_rest_on_surfaces(
-        position, state.next_identity, ridges.normal[chosen], ridges.strength[chosen], np.full(len(chosen), step)
+        position,
+        state.next_identity,
+        ridges.normal[chosen],
+        ridges.strength[chosen],
+        np.full(len(chosen), crept),
+        np.full(len(chosen), step),
     )
     # another reseeding follows one that is worthwhile, and one that leads on to new boundaries
     worthwhile = linked.any() or len(chosen) > WORTHWHILE_FRACTION * state.count

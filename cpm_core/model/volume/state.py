@@ -53,12 +53,12 @@ class VolumeParticles(Particles):
 
     @classmethod
     def at_rest_on_surfaces(
-        cls, position: Array, first_identity: int, normal: Array, strength: Array, reactivated_at: Index
+        cls, position: Array, first_identity: int, normal: Array, strength: Array, crept: Array, reactivated_at: Index
     ) -> Self:
         """Make particles without motion or history on surfaces, at positions of shape (N, 3)."""
         on_surface = np.ones(len(position), bool)
         return cls(
-            **vars(Particles.at_rest(position, first_identity)),
+            **(vars(Particles.at_rest(position, first_identity)) | {"crept": crept}),
             normal=normal,
             on_surface=on_surface,
             strength=strength,
@@ -120,7 +120,8 @@ class VolumeState(State):
     def reactivate_all(self) -> Self:
         """Reactivate all particles, so that those at rest follow a change."""
         everywhere = np.ones(self.count, bool)
-        return replace(super().reactivate_all(), particles=self.particles.reactivate(everywhere, self.step_of_scale))
+        particles = self.particles.reactivate(everywhere, self.step_of_scale)
+        return replace(super().reactivate_all(), particles=particles, coverage=no_surface_coverage())
 
     def reactivate_near(self, charges: Array) -> Self:
         """Reactivate the particles within reach of charges, shape (K, 4)."""

@@ -3,7 +3,7 @@
 A particle sleeps once nothing new has been covered near it for some steps, that is, no cell and side where no surface
 had been found before. Particles inserted where the surface is covered already reactivate no others; else a crowd on one
 surface would keep itself moving forever. A particle that has found no surface is deleted when it has been slow for
-long: it hovers between others.
+long: it hovers between others. So is one that has crept farther than the creeping range.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import SurfaceCoverage, cover_surfaces, no_surface_coverage
 from cpm_core.model.equations import (
     STILL_DISTANCE,
+    creeping_range,
     damping_coefficient,
     equilibrium_epsilon,
     fast_speed,
@@ -81,7 +82,11 @@ def step_particles(state: VolumeState, field: VolumeField, parameters: Parameter
     placed = ChargesAtScale(state.placed, charge_radius_at(state.scale))
     after, motion = move_in_volume(before, cells.order[awake[cells.order]], cells, idle, field, parameters, placed)
     after.velocity[~awake] = 0.0
+    creeping = before.on_surface & after.on_surface & (before.crept > 0.0)  # those of the start do not
+    after = replace(after, crept=before.crept + creeping * motion)
+    farthest = creeping_range(parameters) * 0.5**state.scale
     stays = _is_inside(after.position, extent, state.pitch) & (before.on_surface | (idle < _SLOW_STEPS))
+    stays &= after.crept <= farthest
     if field.walls is not None:
         after = hold_at_walls(field.walls, before, after)
     fast = row_lengths(after.velocity) > fast_speed(parameters)
@@ -92,7 +97,8 @@ def step_particles(state: VolumeState, field: VolumeField, parameters: Parameter
     awake, arrived = awake[stay], arrived[stay]
     deleted = len(before) - len(particles)
     d_max = state.annealed * parameters.d_max
-    births = find_surface_insertions(particles, cells, cells.order[awake[cells.order]], field, d_min, d_max, placed)
+    turn = cells.order[awake[cells.order]]
+    births = find_surface_insertions(particles, cells, turn, field, d_min, d_max, placed, farthest)
     particles, coverage, new = _insert_particles(state, particles, births, cells, arrived, d_min)
     few = new <= max(1.0, _QUIET_NEW_FRACTION * len(particles))
     idle_steps = state.idle + 1 if few else 0
@@ -159,7 +165,7 @@ def _insert_particles(
 ) -> tuple[VolumeParticles, SurfaceCoverage, int]:
     """Insert new particles and reactivate those near new coverage; return also coverage and how many are new in it."""
     coverage, on_surface, step = state.coverage, particles.on_surface, state.step_of_scale + 1
-    if coverage.side != d_min:  # the coverage of the present particles, in cells of another size
+    if coverage.side != d_min:  # the coverage of the present particles, after all were reactivated
         coverage, _ = cover_surfaces(
             no_surface_coverage(d_min), particles.position[on_surface], particles.normal[on_surface]
         )
@@ -172,7 +178,7 @@ def _insert_particles(
     if len(births.position):
         reactivated_at = np.where(fresh[len(some) :], step, step - _COVERED_START_AGE)
         more = VolumeParticles.at_rest_on_surfaces(
-            births.position, state.next_identity, births.normal, births.strength, reactivated_at
+            births.position, state.next_identity, births.normal, births.strength, births.crept, reactivated_at
         )
         particles = particles.append(more)
     return particles, coverage, int(np.count_nonzero(fresh))
@@ -193,12 +199,6 @@ _QUIET_TO_RESEED = 2
 _QUIET_TO_END = 4
 """Consecutive quiet steps that end the run."""
 
-MIN_SCALE_STEPS = 400
-"""Number of steps that every scale may take, however small the volume."""
-
-_MAX_STEPS_PER_UNIT = 2.0
-"""Greatest number of steps of a scale for each unit of the longest side."""
-
 
 def step_in_volume(
     state: VolumeState, field: VolumeField, regions: AnyRegions | None, parameters: Parameters
@@ -207,19 +207,17 @@ def step_in_volume(
     state = step_particles(state, field, parameters)
     if not state.count:
         return state.stop("all particles left the volume")
-    most = max(MIN_SCALE_STEPS, int(_MAX_STEPS_PER_UNIT * max(field.extent)))
-    overdue = state.step_of_scale - state.reactivated >= most
     if state.scale > 0:
-        if state.quiet < _QUIET_TO_RESEED and not overdue:
+        if state.quiet < _QUIET_TO_RESEED:
             return state
         return start_scale(drop_off_surface(state, field), state.scale - 1, regions)
     if state.quiet >= _QUIET_TO_RESEED:
-        continued = reseed_surface(state, field, parameters.d_min)
+        continued = reseed_surface(state, field, parameters.d_min, creeping_range(parameters))
         if continued is not None:
             return continued
     if state.quiet >= _QUIET_TO_END:
         return drop_off_surface(state, field).stop("at rest: no particle finds anything new", True)
-    return state.stop(f"not at rest after {most} steps at full size") if overdue else state
+    return state
 
 
 def volume_forces(

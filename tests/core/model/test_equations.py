@@ -203,9 +203,15 @@ def test_at_the_values_of_the_paper_a_front_creeps_as_far_as_the_reach(reach):
     assert creeping_range(replace(PRESETS["shape"], reach=reach)) == pytest.approx(reach)
 
 
+def test_an_unlimited_reach_is_unlimited_from_the_values_of_the_paper_on():
+    unlimited = Parameters(reach=UNLIMITED_REACH)
+    assert creeping_range(unlimited) == creeping_range(replace(unlimited, beta=0.4)) == np.inf
+    assert creeping_range(replace(unlimited, beta=1.6)) == pytest.approx(UNLIMITED_REACH / 4.0)
+
+
 def test_without_repulsion_no_front_creeps_and_without_annealing_or_limit_every_front_does_so_without_end():
     assert creeping_range(replace(CREEPING, w1=0.0)) == 0.0
     assert creeping_range(replace(CREEPING, w1=0.0, annealing=1.0)) == 0.0
     assert creeping_range(replace(CREEPING, annealing=1.0)) == np.inf
-    assert creeping_range(replace(CREEPING, reach=UNLIMITED_REACH, w1=0.0)) == np.inf
+    assert creeping_range(replace(CREEPING, reach=UNLIMITED_REACH, w1=0.0)) == 0.0
     assert np.isfinite(creeping_range(replace(CREEPING, beta=0.0)))

@@ -13,6 +13,7 @@ from cpm_core import Parameters, State
 from cpm_core.contours import Measures
 from cpm_core.model.equations import creeping_range
 from cpm_core.model.plane.state import PlaneState
+from cpm_core.model.volume.state import VolumeState
 from cpm_core.parameters import UNLIMITED_REACH
 from cpm_core.segmentation import MethodState
 
@@ -28,16 +29,16 @@ MOTION_PARAMETERS = ("beta", RATIO_CONTROL, "annealing")
 
 
 def _is_limited(state: State, parameters: Parameters) -> bool:
-    """Return whether fronts of a run creep only so far out of the area of their start, if it has one."""
-    return isinstance(state, PlaneState) and parameters.reach < UNLIMITED_REACH
+    """Return whether fronts of a run creep only so far: in a volume, or out of the area of their start."""
+    return isinstance(state, VolumeState) or (isinstance(state, PlaneState) and parameters.reach < UNLIMITED_REACH)
 
 
 def measure_motion(state: State, parameters: Parameters, length: float) -> Mapping[str, float]:
     """Measure what each parameter of `MOTION_PARAMETERS` acts on [px of the image].
 
     Damping slows particles down: their mean motion in the last step. Repulsion spreads them: the `length` of all
-    contours that they have found. Annealing ends insertion: how far a front creeps outside the area of its start, and
-    where the reach has no limit, the widest gap that still gets a particle.
+    contours that they have found. Annealing ends insertion: how far a front creeps outside the area of its start or
+    in a volume, and where the reach has no limit in an image, the widest gap that still gets a particle.
     """
     size, widest = 2.0**state.scale, creeping_range(parameters)
     if not _is_limited(state, parameters):

@@ -148,7 +148,7 @@ def test_the_potential_has_the_field_as_its_slope_between_edges(exponent):
 
 def test_the_energy_of_particles_that_stay_the_same_falls_until_they_settle(monkeypatch):
     """On the ridge of a curved edge the potential is a little higher than beside it, as the module tells."""
-    nothing = VolumeBirths(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
+    nothing = VolumeBirths(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0))
     monkeypatch.setattr(time_step, "find_surface_insertions", lambda *_: nothing)
     state = engine().start(cpm.sphere(tuple(CENTER), 4.0, 20, spacing=SPACING))
     energies, seated = [], []
