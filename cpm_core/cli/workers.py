@@ -119,8 +119,8 @@ def run_job(job: BatchJob) -> BatchRow:
             facts["objects"] = len(result.objects)
             shown = replace_by_objects(result, result.objects)
         facts["seconds"] = round(time.perf_counter() - began, 3)
-        contents, notes = ({}, ("No object was found.",)) if facts.get("objects") == 0 else _encode_files(shown, job)
-        notes = (*list_image_notes(image, parameters), *small, *notes)
+        contents, omitted = _encode_files(shown, job) if facts.get("objects", 1) else ({}, ())
+        notes = (*list_image_notes(image, parameters), *small, *omitted)
         return replace(job.row, facts=facts, contents=contents, notes=notes, image_sha256=image.sha256)
     except Exception as error:  # a defect must not stop the other images
         reason = str(error)

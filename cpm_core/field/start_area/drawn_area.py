@@ -25,7 +25,7 @@ _HOLLOW_FACTOR = 3.0
 """Multiple of that distance from all particles beyond which a place is enclosed rather than covered."""
 
 _EVEN_SIDE = 1.5
-"""Approximate side of the cells that decide on a start from everywhere, in mean distances of particles."""
+"""Greatest side of the cells that decide on a start from everywhere, in mean distances of particles."""
 
 _EVEN_SHARE = 0.95
 """Least share of those cells with particles of a start from everywhere."""
@@ -120,7 +120,7 @@ def is_everywhere(points: Array, shape: Extent, regions: AnyRegions | None = Non
         samples = _cell_centers(shape, (_REGION_SAMPLES,) * len(shape))
         share = max(int(np.count_nonzero(regions.contains(samples))), 1) / len(samples)
     side = _EVEN_SIDE * (share * np.prod(extent) / len(points)) ** (1.0 / len(shape))
-    cells = tuple(np.maximum(np.rint(extent / side), 1).astype(int).tolist())
+    cells = tuple(np.ceil(extent / side).astype(int).tolist())
     place = np.clip((points + 0.5) / np.array(shape) * cells, 0, np.array(cells) - 1).astype(int)
     wanted = np.ones(math.prod(cells), bool)
     if regions is not None:

@@ -1,5 +1,6 @@
 """Objects on the command line: chosen by places, written closed, told as text and as JSON."""
 
+import csv
 import json
 
 import numpy as np
@@ -54,3 +55,27 @@ def test_a_person_is_told_of_the_object(disk, command):
     assert status == 0
     assert "Object: area 4" in out  # of pi 12 ^ 2 = 452
     assert "across gaps, confidence" in out
+
+
+def test_a_batch_writes_the_objects_of_each_image_in_formats_named_by_name_and_counts_them(
+    disk, command, told, tmp_path
+):
+    flat, session, out = tmp_path / "flat.png", tmp_path / "a.cpm", tmp_path / "out"
+    noise = np.random.default_rng(0).integers(90, 110, (80, 140))
+    PIL.Image.fromarray(noise.astype(np.uint8)).save(flat)
+    run = ("run", disk, "--auto", "grid", "--preset", "automatic", "--objects", "--save-session", session)
+    assert command(*run, "--export", tmp_path / "run.tif", tmp_path / "run.table.csv")[0] == 0
+    batch = ("batch", disk, flat, "--session", session, "--output", out, "--workers", 1)
+    reported = told(*batch, "--export", "labelme", "csv", "masks", ".png")
+    assert [image["objects"] for image in reported["images"]] == [2, 0]
+    assert (reported["failed"], reported["lacking_files"]) == (0, 0)
+    names = [f"disk_objects.{suffix}" for suffix in ("labelme.json", "table.csv", "tif", "png")]
+    assert {path.name for path in out.iterdir()} == {*names, "objects.csv", "summary.csv"}
+    assert (out / "disk_objects.tif").read_bytes() == (tmp_path / "run.tif").read_bytes()
+    assert (out / "disk_objects.table.csv").read_bytes() == (tmp_path / "run.table.csv").read_bytes()
+    shapes = json.loads((out / "disk_objects.labelme.json").read_text())
+    assert shapes["imagePath"] == "../disk.png"
+    with (out / "objects.csv").open(newline="") as stream:
+        assert [row["image"] for row in csv.DictReader(stream)] == ["disk.png", "disk.png"]
+    _, said, err = command(*batch, "--export", "labelme", "csv", "masks", ".png")
+    assert "2 images done before" in err and "flat.png: 0 objects" in said
