@@ -330,9 +330,9 @@ class BatchFeature(Feature):
 
     def _on_batch_done(self, done: BatchDone) -> None:
         parts = [tr("{done} of {count} images finished.", done=done.images - len(done.failed), count=done.images)]
+        parts.append(tr("Objects: {count}, in {path}.", count=done.objects, path=done.folder))
         if done.failed:
             names = ", ".join(done.failed[:_MAX_NAMED_IMAGES]) + ("…" if len(done.failed) > _MAX_NAMED_IMAGES else "")
             parts.append(tr("Could not be used: {names}.", names=names))
-        parts.append(tr("Objects: {count}, in {path}.", count=done.objects, path=done.folder))
         self.session.messages.show(" ".join(parts), bool(done.failed), BATCH_CATEGORY)
         self.window.refresh_actions()
