@@ -29,9 +29,6 @@ from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.pages.follow import limit_scales
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value
-from cpm_core.results.result import Result
-from cpm_core.results.review import apply_marks, restore_kept_contours
-from cpm_core.segmentation.evolve import with_hand_edits
 from cpm_core.shapes import Start
 from cpm_core.shapes.outlines import start_from_surface, starts_from_centerlines, starts_from_contours
 
@@ -125,14 +122,6 @@ def list_image_notes(image: Image, parameters: Parameters) -> Texts:
         return (*image.notes, f"The image is gray: it has no channel {wanted}.")
     taken = f"The channel {wanted} of its colors was taken."
     return tuple(taken if note == LUMINANCE_NOTE else note for note in image.notes)
-
-
-def apply_session_review(
-    found: Result, image: Image, parameters: Parameters, session: SessionFile, *, kept: bool = True
-) -> Result:
-    """Apply the hand edits and the review of a session; `kept` contours belong only to its own image."""
-    edited = with_hand_edits(found, image, parameters, session.hand_edits)
-    return apply_marks(restore_kept_contours(edited, session.marks) if kept else edited, session.marks)
 
 
 def read_starts(path: str, image: Image) -> tuple[Start, ...]:

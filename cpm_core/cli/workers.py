@@ -18,7 +18,7 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import Any, Literal, cast
 
-from cpm_core.cli.inputs import apply_session_review, fit_scales_to_image, list_image_notes
+from cpm_core.cli.inputs import fit_scales_to_image, list_image_notes
 from cpm_core.cli.output import collect_run_facts
 from cpm_core.formats import describe_omissions, set_relative_source, to_bytes
 from cpm_core.formats.common.content import missing_package_message, try_fingerprint
@@ -98,7 +98,7 @@ class BatchJob:
     number: int  # index of the image
     row: BatchRow  # values known in advance
     path: str
-    session: SessionFile  # start, regions, charges and review
+    session: SessionFile  # start, regions and charges
     parameters: Parameters
     max_steps: int | None
     suffixes: Texts  # formats to write
@@ -112,8 +112,7 @@ def run_job(job: BatchJob) -> BatchRow:
         began = time.perf_counter()
         image = load_session_image(job.path, job.session)
         parameters, small = fit_scales_to_image(job.parameters, image)
-        found = run(image, job.session, parameters, job.max_steps)
-        shown = result = apply_session_review(found, image, parameters, job.session, kept=False)
+        shown = result = run(image, job.session, parameters, job.max_steps)
         facts = collect_run_facts(result, 0.0)
         if job.kind == "objects":
             facts["objects"] = len(result.objects)

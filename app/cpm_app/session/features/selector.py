@@ -330,11 +330,14 @@ class Selector:
 
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:
-        """The offered objects, except for rejected ones and those that are among the existing ones."""
+        """The offered objects, except for rejected ones, those that exist, and parts of merged or corrected ones."""
         known = (*self.items, *self.offer.rejected)
         if isinstance(self.partition, VolumePartition):
-            return tuple(_remove_taken_bodies(self.partition, self.offer.found, known))
-        return tuple(_remove_covered(self.offer.found, known))
+            left = _remove_taken_bodies(self.partition, self.offer.found, known)
+        else:
+            left = _remove_covered(self.offer.found, known)
+        joined = [frozenset(item.clicks) for item in self.items]
+        return tuple(each for each in left if not any(frozenset(each.clicks) < clicks for clicks in joined))
 
 
 def find_proposals(result: Result, task: BackgroundTask) -> tuple[Proposal, ...]:
