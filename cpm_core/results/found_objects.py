@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
@@ -92,13 +92,9 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObj
         bodies = _find_bodies(VolumePartition.from_result(result), pieces, check)
         return tuple(sorted(bodies, key=lambda one: -one.volume))
     partition = Partition.from_result(result)
-    objects = _find_started_objects(partition, pieces, check) if pieces else find_objects_everywhere(partition, check)
-    return rank_objects(objects)
-
-
-def rank_objects(found: Iterable[Selection]) -> tuple[Selection, ...]:
-    """Rank objects by confidence, the best first."""
-    return tuple(sorted(found, key=lambda one: -one.confidence))
+    if not pieces:
+        return tuple(find_objects_everywhere(partition, check))
+    return tuple(sorted(_find_started_objects(partition, pieces, check), key=lambda one: -one.confidence))
 
 
 def is_run_everywhere(result: RunOutcome) -> bool:

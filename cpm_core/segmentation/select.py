@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics.real_numbers import as_positions
-from cpm_core.objects.all_objects import find_objects_everywhere, find_similar_objects
+from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.similar_objects import find_similar_objects
 from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 from cpm_core.parameters import Parameters
-from cpm_core.results.found_objects import rank_objects
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 
@@ -113,7 +113,8 @@ def select_all(
         An image, in which a run from everywhere finds the contours; the result of a run, whose `Result.objects` are
         selected; or a partition.
     like : sequence of Selection
-        Some of them. Without any, the likely and the unambiguous objects are selected.
+        Some of them. Without any, the network evaluates what contours bound, alone, together or with gaps: the likely
+        objects are selected.
 
     Returns
     -------
@@ -129,7 +130,7 @@ def select_all(
     """
     if not like:
         if isinstance(values, Partition):
-            return rank_objects(find_objects_everywhere(values))
+            return tuple(find_objects_everywhere(values))
         return (values if isinstance(values, Result) else _run_everywhere(as_plane(values))).objects
     if isinstance(values, Result):
         cut = Partition.from_result(values)
