@@ -60,12 +60,12 @@ def test_a_person_is_told_of_the_object(disk, command):
 def test_a_batch_writes_the_objects_of_each_image_in_formats_named_by_name_and_counts_them(
     disk, command, told, tmp_path
 ):
-    flat, session, out = tmp_path / "flat.png", tmp_path / "a.cpm", tmp_path / "out"
-    noise = np.random.default_rng(0).integers(90, 110, (80, 140))
-    PIL.Image.fromarray(noise.astype(np.uint8)).save(flat)
+    two, session, out = tmp_path / "halves.png", tmp_path / "a.cpm", tmp_path / "out"
+    halves = np.where(np.arange(80)[:, None] < 40, 100, np.full((80, 140), 150))
+    PIL.Image.fromarray(halves.astype(np.uint8)).save(two)
     run = ("run", disk, "--auto", "grid", "--preset", "automatic", "--objects", "--save-session", session)
     assert command(*run, "--export", tmp_path / "run.tif", tmp_path / "run.table.csv")[0] == 0
-    batch = ("batch", disk, flat, "--session", session, "--output", out, "--workers", 1)
+    batch = ("batch", disk, two, "--session", session, "--output", out, "--workers", 1)
     reported = told(*batch, "--export", "labelme", "csv", "masks", ".png")
     assert [image["objects"] for image in reported["images"]] == [2, 0]
     assert (reported["failed"], reported["lacking_files"]) == (0, 0)
@@ -78,4 +78,4 @@ def test_a_batch_writes_the_objects_of_each_image_in_formats_named_by_name_and_c
     with (out / "objects.csv").open(newline="") as stream:
         assert [row["image"] for row in csv.DictReader(stream)] == ["disk.png", "disk.png"]
     _, said, err = command(*batch, "--export", "labelme", "csv", "masks", ".png")
-    assert "2 images done before" in err and "flat.png: 0 objects" in said
+    assert "2 images done before" in err and "halves.png: 0 objects" in said
