@@ -42,9 +42,10 @@ The model on one page
 11. The terms of a step can be inspected: the **forces** on each particle, by name, the **potential** of the charges,
     and the kinetic and potential **energy**, which damping dissipates until the run is at rest (`model.measures`).
 
-`Engine` composes them step by step (`segmentation.engine`); `segment` is a whole run in one call, `evolve` an iterator
-over its steps, and `follow_pages` runs on each page of a stack, starting from the contours of the previous page
-(`pages`). `contours.measurements` measures each contour and finds its nesting; `Result.labels` and `Result.table` are
+`Engine` composes them step by step (`segmentation.engine`); `segment` is a whole run in one call, `run` that of a saved
+session, `evolve` an iterator over its steps, and `follow_pages` runs on each page of a stack, starting from the
+contours of the previous page (`pages`). `contours.measurements` measures each contour and finds its nesting;
+`Result.labels` and `Result.table` are
 the enclosed pixels and their measurements. Given a **ground truth**, as a mask or as contours, `compare` measures the
 agreement with it (`contours.agreement`, `contours.ground_truth`), and in a volume `compare_surface` that of the
 surface. `formats` reads and writes files: `export` selects the format of contours by the suffix, `to_bytes` returns the
@@ -58,7 +59,8 @@ reconstructed (`medial_axis`). It needs no seeds. In a volume it consists of the
 
 **Objects** are selected by points, scribbles and boxes, with `select` and `select_all`: an object is the region that a
 closed contour encloses unambiguously, elsewhere the one predicted by a network trained on outlined images
-(`find_objects`). In a notebook they are clicked in a `notebook_view`.
+(`objects`). `Result.objects` are those that a run proposes, wherever it was made. In a notebook they are clicked in a
+`notebook_view`.
 
 The **classical methods** to which the publication compares its own, snakes and level sets, are listed with the charged
 particles in `CONTOUR_METHODS`: from the same image and the same drawn `Start`, each yields the states of a run one by
@@ -97,6 +99,7 @@ from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.contours.figure import write_figure
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.examples import example
+from cpm_core.formats.sessions.session_run import run
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
@@ -222,6 +225,7 @@ __all__ = [
     "reconstruct_surface",
     "register_method",
     "report_run",
+    "run",
     "run_method",
     "seeds_at_centers",
     "seeds_everywhere",

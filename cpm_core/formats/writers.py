@@ -180,6 +180,15 @@ _FORMAT_SUFFIXES = tuple(one.suffix for one in FILE_FORMATS)
 CONTOURS_WRITABLE: dict[str, str] = {one.suffix: one.contours for one in FILE_FORMATS if one.contours}
 """Suffixes that contours can be exported to, some of two parts -> what is written."""
 
+FORMATS_BY_NAME: dict[str, str] = {
+    "csv": ".table.csv",
+    "masks": ".tif",
+    "labelme": ".labelme.json",
+    "coco": ".coco.json",
+    "imagej": ".zip",
+}
+"""Names of formats for objects -> their suffixes; every other format is named by its suffix, with or without dot."""
+
 SKELETONS_WRITABLE: dict[str, str] = {one.suffix: one.branches for one in FILE_FORMATS if one.branches}
 """Suffixes that a skeleton can be exported to -> what is written."""
 
@@ -415,6 +424,11 @@ def find_format_suffix(path: AnyPath) -> str:
     none.
     """
     return find_suffix(path, _FORMAT_SUFFIXES)
+
+
+def find_named_suffix(name: str) -> str:
+    """Return the suffix of a format that is named by one of `FORMATS_BY_NAME`, or by its suffix."""
+    return FORMATS_BY_NAME.get(name.lower(), f".{name.lower().lstrip('.')}")
 
 
 def check_export(path: AnyPath) -> None:

@@ -17,7 +17,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Sides
 from cpm_core.objects.outline import OBJECT_SMOOTHING
 from cpm_core.objects.selection import Selection
-from cpm_core.objects.volume_partition import VolumeSelection
+from cpm_core.objects.volume_partition import VolumeSelection, require_image
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
@@ -38,7 +38,7 @@ def objects_result(
     image : Image, optional
         The image; by default that of the selections.
     names : sequence of str, optional
-        Name of each object; ``"object 1"``, ``"object 2"`` and so on by default.
+        Name of each object; ``"object 1"``, ``"object 2"`` and so on by default. Bodies have numbers only.
     channel : str, optional
         Channel of a color image whose edges the objects follow.
 
@@ -90,6 +90,7 @@ def objects_result(
         {"shape": "object", "inside": selection.inside.tolist(), "outside": selection.outside.tolist()}
         for selection in selections
     )
+    taken = image.resolve_channel(channel)
     made = Provenance(
         "objects", {"channel": taken}, shapes=clicks, sha256=image.sha256, of_file=bool(image.file_sha256)
     )
@@ -112,6 +113,13 @@ def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bri
     strength = edge_map(image.gray_levels(channel), OBJECT_SMOOTHING)
     means = (interpolate_field(strength[None], polyline.sample_path(gap, 1.0)).mean() for gap in gaps)
     return [Bridge(gap, polyline.path_length(gap), float(mean)) for gap, mean in zip(gaps, means, strict=True)]
+
+
+def replace_by_objects(result: Result, selections: Sequence[Selection | VolumeSelection]) -> Result:
+    """Replace what a run found by objects selected from it; the provenance is that of the run, with the objects."""
+    found = objects_result(selections, require_image(result), channel=result.channel)
+    drawn = (*result.provenance.shapes, *found.provenance.shapes)
+    return replace(found, provenance=replace(result.provenance, method="objects", shapes=drawn))
 
 
 def boundaries_result(

@@ -25,6 +25,7 @@ from cpm_core.numerics.types import Array, Arrays, Extent, Sides, record
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.results.found_objects import FoundObjects, find_objects
 
 _MAX_DRAWN_LABELS = 400
 """Largest number of labels written into a picture."""
@@ -66,6 +67,8 @@ class Result(drawing.Pictured):
         Regions of interest and barriers of the run.
     channel : str
         Channel of a color image in which the contours were found, one of `Parameters.channel`.
+    seeds : ndarray, shape (M, D)
+        Where the run began [px]; empty where nothing ran.
     provenance : Provenance
         Origin of the contours.
 
@@ -79,6 +82,8 @@ class Result(drawing.Pictured):
     >>> table = result.table(in_units=True)
     >>> table["area"].round(), table.units["area"]
     (array([374.,  77.]), 'µm²')
+    >>> result.objects  # the best first
+    (<Selection 1,485 px, 2 contours, 0 gaps, 84 % sure>,)
     >>> axes = result.plot(particles=True)
     >>> result.geometry is None  # nothing is known of its place in space
     True
@@ -99,6 +104,7 @@ class Result(drawing.Pictured):
     image: Image | None = None
     regions: AnyRegions | None = None
     channel: str = "luminance"
+    seeds: Array = field(default_factory=lambda: np.empty((0, 2)))
     provenance: Provenance = field(default_factory=Provenance)
 
     @cached_property
@@ -136,6 +142,16 @@ class Result(drawing.Pictured):
         (0, [400.0, 400.0, 400.0, 400.0])
         """
         return find_faces(self.contours, self.spacing, self.links) if len(self.shape) == 2 else ()
+
+    @cached_property
+    def objects(self) -> FoundObjects:
+        """The objects that the run proposes, each a `Selection`, in a volume a `VolumeSelection`; the best first.
+
+        A run from everywhere, as from a grid, proposes all objects of the image, or all bodies inside the surface. One
+        from drawn starts proposes the object of each of them. They are found at the first access, which takes some
+        seconds in a large image. ValueError when the image is not known.
+        """
+        return find_objects(self)
 
     def table(self, *, in_units: bool = False) -> Table:
         """Measure what the closed contours enclose, or the objects in a volume: one row a label of `labels`.
@@ -266,6 +282,7 @@ def build_result(state: State, image: Image, parameters: Parameters, **found: An
         image=image,
         regions=state.regions,
         channel=image.resolve_channel(parameters.channel),
+        seeds=state.start,
         **found,
     )
 

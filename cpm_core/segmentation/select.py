@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar_objects import find_similar_objects
-from cpm_core.objects.volume_partition import VolumePartition
+from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 from cpm_core.parameters import Parameters, choose_parameters
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.results.result import Result
@@ -57,13 +57,14 @@ def partition(
     if isinstance(values, Result):
         return Partition.from_result(values) if values.surface is None else VolumePartition.from_result(values)
     image = as_image(values)
-    return VolumePartition(image) if image.ndim == 3 else _partition_from_run(image, parameters)
+    if image.ndim == 3:
+        return VolumePartition(image)
+    return Partition.from_result(_run_everywhere(image, parameters))
 
 
-def _partition_from_run(image: Image, parameters: Parameters | str | None = None) -> Partition:
-    """Make the partition of an image with the contours that a run from everywhere finds in it."""
-    chosen = choose_parameters(parameters, EVERYWHERE_PARAMETERS)
-    return Partition.from_result(segment(image, uniform_grid(image.shape), chosen))
+def _run_everywhere(image: Image, parameters: Parameters | str | None = None) -> Result:
+    """Find the contours of an image by a run from everywhere."""
+    return segment(image, uniform_grid(image.shape), choose_parameters(parameters, EVERYWHERE_PARAMETERS))
 
 
 def select(
@@ -102,36 +103,38 @@ def select(
     [True, False]
     """
     image = as_plane(values)
-    cut = Partition(image, ()) if prior else replace(_partition_from_run(image), uses_network=False)
+    cut = Partition(image, ()) if prior else replace(Partition.from_result(_run_everywhere(image)), uses_network=False)
     places = np.concatenate([as_positions(given, "rows and columns") for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
 
 def select_all(
-    values: ArrayLike | Image | Partition,
+    values: ArrayLike | Image | Result | Partition,
     like: Sequence[Selection] = (),
     *,
     parameters: Parameters | str | None = None,
     min_confidence: float = 0.0,
-) -> tuple[Selection, ...]:
+) -> tuple[Selection | VolumeSelection, ...]:
     """Select all objects of an image, or all that are similar to some.
 
     Parameters
     ----------
-    values : array_like, shape (H, W), or Image, or Partition
-        Image.
+    values : array_like, shape (H, W), or Image, or Result, or Partition
+        An image, in which a run from everywhere finds the contours; the result of a run, whose `Result.objects` are
+        selected; or a partition.
     like : sequence of Selection
-        Some of them. Without any, particles find the contours of the whole image, unless it is a partition, and the
-        network evaluates what they bound, alone, together or with gaps: the likely objects are selected.
+        Some of them. Without any, the network evaluates what contours bound, alone, together or with gaps: the likely
+        objects are selected.
     parameters : Parameters or str, optional
-        Parameters of that run.
+        Parameters of the run from everywhere.
     min_confidence : float
-        Least `Selection.confidence` of an object, from 0 to 1; given ones stay.
+        Least `Selection.confidence` of an object, from 0 to 1; bodies in a volume have none, and stay.
 
     Returns
     -------
-    tuple of Selection
-        The objects, given ones first. None overlap, except objects in objects, such as a nucleus in a cell.
+    tuple of Selection, or of VolumeSelection
+        The objects, given ones first, otherwise the best. None overlap, except objects in objects, such as a nucleus
+        in a cell.
 
     Examples
     --------
@@ -143,9 +146,16 @@ def select_all(
     if not isinstance(like, Sequence) or not all(isinstance(one, Selection) for one in like):
         raise ValueError(f"like is {quote_value(like)} but must be a list of selections.")
     if not like:
-        cut = values if isinstance(values, Partition) else _partition_from_run(as_plane(values), parameters)
-        return tuple(one for one in find_objects_everywhere(cut) if one.confidence >= min_confidence)
-    cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
+        if isinstance(values, Partition):
+            all_objects: Iterable[Selection | VolumeSelection] = find_objects_everywhere(values)
+        else:
+            result = values if isinstance(values, Result) else _run_everywhere(as_plane(values), parameters)
+            all_objects = result.objects
+        return tuple(one for one in all_objects if not isinstance(one, Selection) or one.confidence >= min_confidence)
+    if isinstance(values, Result):
+        cut = Partition.from_result(values)
+    else:
+        cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
     found = list(like)
     taken = np.any([one.mask for one in like], axis=0)
     for one in like:

@@ -9,7 +9,7 @@ import cpm_core
 GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "runs": (
         "Runs",
-        ("segment", "evolve", "Evolution", "RunState", "Engine", "State", "Particles", "Forces", "Energies",
+        ("segment", "run", "evolve", "Evolution", "RunState", "Engine", "State", "Particles", "Forces", "Energies",
          "Parameters", "PARAMETERS", "PRESETS", "Method", "METHODS"),
     ),
     "images": (

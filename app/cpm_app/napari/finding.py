@@ -13,6 +13,7 @@ import cpm_core as cpm
 from cpm_core.contours.surface import surface_from_labels
 from cpm_core.numerics import Array, Index
 from cpm_core.objects import partition_without_run
+from cpm_core.results import replace_by_objects
 from cpm_core.shapes import starts_from_contours
 
 WorkProgress = tuple[str, Array | None]
@@ -119,9 +120,9 @@ def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, o
 
 
 def run_from_seeds(image: cpm.Image, seeds: Array, parameters: Callable[[], cpm.Parameters]) -> Work:
-    """Run from seeds (N, D) to a result; each step takes the parameters of its moment.
+    """Run from seeds (N, D) to the objects that the run proposes; each step takes the parameters of its moment.
 
-    Yields the progress from time to time, and returns a `Result`.
+    Yields the progress from time to time, and returns a `Result`: that of the run itself where it proposes nothing.
     """
     states, reported = cpm.evolve(image, seeds, parameters()), 0.0
     for state in states:
@@ -129,7 +130,9 @@ def run_from_seeds(image: cpm.Image, seeds: Array, parameters: Callable[[], cpm.
         if time.monotonic() - reported > _REPORT_INTERVAL:
             yield f"Step {state.step}, {state.count} particles", state.position
             reported = time.monotonic()
-    return states.result
+    yield "Objects", states.moment.position
+    found = states.result
+    return replace_by_objects(found, found.objects) if found.objects else found
 
 
 def collect_drawn_seeds(drawn: Sequence[cpm.Contour], labels: Index | None) -> Array:

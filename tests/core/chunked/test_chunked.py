@@ -93,7 +93,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
     monkeypatch.setattr(chunk_objects, "OBJECT_MARGINS", (64, 256))  # the ring needs the second
     found = found_in(source, tmp_path, objects=True)
     image = cpm.load_image(source.path)
-    one = cpm.select_all(cpm.partition(cpm.segment(image, cpm.uniform_grid(image.shape), PARAMETERS)))
+    one = cpm.segment(image, cpm.uniform_grid(image.shape), PARAMETERS).objects
     several = contours_of(found)
     assert sum(found.counts) == len(one) == 9
     assert sorted({contour.group for contour in several}) == list(range(1, 10))
