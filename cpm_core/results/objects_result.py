@@ -52,7 +52,8 @@ def objects_result(
     Raises
     ------
     ValueError
-        When there is no object, or `names` are not texts, or not one for each object.
+        When no image is known, an object was selected in an image with other axes, or `names` are not texts, or not one
+        for each object.
 
     Examples
     --------
@@ -73,6 +74,8 @@ def objects_result(
     image = image or next((one.image for one in selections if one.image is not None), None)
     if image is None:
         raise ValueError("no image is known for the objects: name it, or select objects of an image.")
+    if not all(isinstance(one, VolumeSelection if image.ndim == 3 else Selection) for one in selections):
+        raise ValueError(f"{image.source} has {image.ndim} axes: give objects that were selected in such an image.")
     titles = list(names) or [f"object {number}" for number in range(1, len(selections) + 1)]
     parts: list[tuple[Label, Any]] = [
         (Label(number, title), one) for number, (one, title) in enumerate(zip(selections, titles, strict=True), start=1)
