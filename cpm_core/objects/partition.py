@@ -556,14 +556,16 @@ class Partition(drawing.Pictured):
         return Selection(mask, contours, gaps, confidence, inside, outside, remark, features, self.image)
 
     def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
-        """Remove pixels from a selection, masks of shape (H, W), and what they cut off from its positive points."""
+        """Remove pixels from a selection, masks of shape (H, W), and what they cut off from its positive points.
+
+        The rest is as likely an object as the whole was.
+        """
         prompt, _ = self._resolve_points(selection.inside, NO_POINTS, self.interest & ~excluded)
         mask = selection.mask & ~excluded
         if len(prompt.positive):
             mask = _select_connected(mask, prompt.positive)
-        return self.build_selection(
-            mask, selection.inside, selection.outside, selection.remark, features=selection.features
-        )
+        left = self.build_selection(mask, selection.inside, selection.outside, selection.remark, selection.features)
+        return replace(left, confidence=selection.confidence) if left.has_boundary else left
 
     def outline_mask(self, mask: Mask) -> tuple[ObjectOutline, ...]:
         """Outline a set of pixels, shape (H, W), along the contours next to it."""
