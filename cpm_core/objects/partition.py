@@ -24,7 +24,7 @@ from cpm_core.field.start_area.start_area import object_enclosed_by
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import plane_regions
+from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.real_numbers import as_positions
@@ -148,9 +148,13 @@ class ParentImage:
     smoothing: float
 
 
-def partition_without_run(image: Image) -> Partition | VolumePartition:
+def partition_without_run(
+    image: Image, regions: AnyRegions | None = None, channel: str = "luminance"
+) -> Partition | VolumePartition:
     """Prepare an image or a volume without a run, so that the network answers all prompts."""
-    return Partition(image, ()) if image.ndim == 2 else VolumePartition(image)
+    if image.ndim == 3:
+        return VolumePartition(image, regions=regions)
+    return Partition(image, (), plane_regions(regions), channel)
 
 
 @record
