@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -20,7 +20,7 @@ from cpm_app.session.exchange.messages import explain_failure
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
 from cpm_app.session.timeline.runs_json import read_valid_entries
 from cpm_app.session.undo_history import UndoHistory
-from cpm_core import Engine, Page, Result, State, load_pages
+from cpm_core import Engine, Image, Page, Result, State, load_pages
 from cpm_core.formats import Pages, Reading, decode_session, encode_session, page_from_json, page_to_json
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
@@ -314,10 +314,20 @@ class PageDone:
     runs: JsonObject = field(default_factory=dict)
 
 
-def record_state(recorder: RunRecorder, task: BackgroundTask, state: State) -> None:
-    """Record a state of a run in the background; raise `Cancelled` if the task has been cancelled."""
-    task.check_cancelled()
-    recorder(state)
+def run_recorded(image: Image, document: Document, task: BackgroundTask) -> tuple[Result, JsonObject]:
+    """Run a document on its image in the background; return the result, and the run for a session.
+
+    Raise `Cancelled` if the task has been cancelled.
+    """
+    engine, recorder = Engine(image, document.parameters, document.regions), RunRecorder()
+
+    def record_state(state: State) -> None:
+        task.check_cancelled()
+        recorder(state)
+
+    result = run_document(engine, document, document.find_image_seeds(SeedCache(image)), record_state)
+    session = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
+    return result, session.runs
 
 
 def run_pages(
@@ -340,10 +350,7 @@ def run_pages(
             image = source.pages[number - 1]
             reference = ImageReference.from_image(Path(source.path), image, source.reading_for(number))
             document = replace(document, image=reference, parameters=limit_scales(document.parameters, image.shape))
-            recorder = RunRecorder()
-            engine = Engine(image, document.parameters, document.regions)
-            seeds = document.find_image_seeds(SeedCache(image))
-            result = run_document(engine, document, seeds, partial(record_state, recorder, task))
+            result, runs = run_recorded(image, document, task)
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others
@@ -353,6 +360,4 @@ def run_pages(
             )
             yield PageDone(Page(number, None, error=trouble), document, given)
             continue
-        page = follower.add_page(number, result)
-        session = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
-        yield PageDone(page, document, given, session.runs)
+        yield PageDone(follower.add_page(number, result), document, given, runs)
