@@ -169,14 +169,17 @@ def link_pages(
     follower = ContourFollower()
     pages = [found[number] for number in sorted(found)]
     pages = [follower.add_page(page.number, page.result) if page.result else page for page in pages]
-    measured = {}
+    known = dict[int, tuple[SegmentedObjects, Result | None]]()
     for number, document in documents.items():
-        before, result = measured.get(number, (None, None))
-        if before is not document.objects:
+        (before, result), image = measured.get(number, (None, None)), document.image
+        resized = (
+            result is not None and image is not None and (result.spacing, result.unit) != (image.spacing, image.unit)
+        )
+        if before is not document.objects or resized:
             result = build_objects_result(document)
             result = result and strip_image(replace(result, image=source.pages[number - 1]))
-        measured[number] = document.objects, result
-    objects = pages_from_results({number: result for number, (_, result) in measured.items() if result is not None})
+        known[number] = document.objects, result
+    objects = pages_from_results({number: result for number, (_, result) in known.items() if result is not None})
     tables: dict[ListedKind, StackTable] = {}
     of_kinds: tuple[tuple[ListedKind, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
     for kind, made in of_kinds:
@@ -184,7 +187,7 @@ def link_pages(
         if made:
             whole = StackResult(name, source.count, tuple(made), axis, alone, drawn)
             tables[kind] = whole, collect_page_rows(whole)
-    return LinkedPages(source, measured, tables)
+    return LinkedPages(source, known, tables)
 
 
 _MAX_PAGE_RUNS_CHARACTERS = 24 * 2**20
