@@ -55,7 +55,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count
 from cpm_core.results import boundaries_result
 from cpm_core.results.result import Result
-from cpm_core.segmentation.evolve import SEEDED_METHODS
+from cpm_core.segmentation.evolve import find_seeded_methods
 from cpm_core.shapes.document_shapes import select_starts
 
 
@@ -150,7 +150,7 @@ def _restore_or_run(session: SessionFile, parameters: Parameters, image: Image, 
     kept = restore_shown_state(replace(session, parameters=parameters), image)
     if kept is not None:
         state, made_with = kept
-        method = SEEDED_METHODS[method_of(session)](image, made_with, state.regions)
+        method = find_seeded_methods()[method_of(session)](image, made_with, state.regions)
         return replace(cast("Result", method.result(state, made_with)), source=image.source)
     if not select_starts(session.shapes):
         raise ValueError(f"{source.name} has no start and no contours: draw a start in the window, and save it again.")

@@ -38,7 +38,7 @@ from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Prompt
-from cpm_core.objects.selection import Selection, compute_iou
+from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, Selection, compute_iou, keep_last_marks
 from cpm_core.objects.vessels import find_vessel_tree
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
@@ -448,14 +448,9 @@ class Partition(drawing.Pictured):
             remark = "A point outside the regions of interest is ignored."
         elif not free[tuple(pixels.T)].all():
             remark = "A point in another object is ignored."
-        same = (within[:, None] == beyond[None]).all(axis=2)
-        if same.any():
-            remark = "The same point is marked as inside and as outside; the last mark counts."
-            newer = np.zeros(len(within), bool) if newer is None else newer
-            within, beyond = (
-                within[newer | ~same.any(axis=1)],
-                beyond[~(same & newer[:, None]).any(axis=0)],
-            )
+        newer = np.zeros(len(within), bool) if newer is None else newer
+        within, beyond, contradicting = keep_last_marks(within, beyond, newer)
+        remark = CONFLICTING_POINT_REMARK if contradicting else remark
         return Prompt(*(pixels[free[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
     def _predict_candidates(self, prompt: Prompt, area: float | None = None) -> Iterator[Candidate]:
@@ -638,10 +633,7 @@ class Partition(drawing.Pictured):
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the image with the contours by matplotlib."""
-        ax = drawing.axes_for(ax)
-        drawing.show_image(ax, self.image.values, self.image.spacing)
-        drawing.show_curves(ax, self.contours)
-        return ax
+        return drawing.draw_curves_on_image(ax, self.image.values, self.contours, self.image.spacing)
 
 
 def _padded_box(mask: Mask) -> tuple[tuple[slice, slice], Index]:

@@ -171,11 +171,9 @@ def link_pages(
     pages = [follower.add_page(page.number, page.result) if page.result else page for page in pages]
     known = dict[int, tuple[SegmentedObjects, Result | None]]()
     for number, document in documents.items():
-        (before, result), image = measured.get(number, (None, None)), document.image
-        resized = (
-            result is not None and image is not None and (result.spacing, result.unit) != (image.spacing, image.unit)
-        )
-        if before is not document.objects or resized:
+        before, result = measured.get(number, (None, None))
+        size = document.image and (document.image.spacing, document.image.unit)
+        if before is not document.objects or (result and (result.spacing, result.unit) != size):
             result = build_objects_result(document)
             result = result and strip_image(replace(result, image=source.pages[number - 1]))
         known[number] = document.objects, result
