@@ -294,24 +294,19 @@ class Partition(drawing.Pictured):
     def _select_best(self, request: _Request, answers: Iterator[Candidate]) -> Selection:
         """Select the object that a request most likely means; `answers` are those of the network to its prompt."""
         if request.has_only_positive:
-            enclosed = self._from_unambiguous_contour(request.inside) or self._from_surrounding_line(request.inside)
-            if enclosed is not None:
-                return self._build_answer(self._leave_free(enclosed, request), request)
+            mask = self._closed_regions.find_object_around(request.inside)
+            unambiguous = mask is not None
+            if mask is None:  # perhaps the points are drawn around an object
+                mask = object_enclosed_by(self.values, request.inside, ~self.interest)
+            if mask is not None and (mask & ~request.free).any():
+                mask, unambiguous = self._keep_connected(mask, request.prompt, request.free), False
+            if mask is not None:
+                return self._build_answer(Candidate(mask, unambiguous=unambiguous), request)
         if request.is_empty:
             remark = request.remark or "No point is marked as inside."
             return self.build_selection(np.zeros(self.shape, bool), request.inside, request.outside, remark)
         found = self._from_previous(request) or self._from_network(request.prompt, answers, request.free)
         return self._build_answer(found, request)
-
-    def _from_unambiguous_contour(self, places: Array) -> Candidate | None:
-        """Return what a closed contour unambiguously encloses around points, shape (M, 2) [px], if one does."""
-        mask = self._closed_regions.find_object_around(places)
-        return None if mask is None else Candidate(mask, unambiguous=True)
-
-    def _from_surrounding_line(self, places: Array) -> Candidate | None:
-        """Return the object that points, shape (M, 2) [px], are drawn around, if they are."""
-        mask = object_enclosed_by(self.values, places, ~self.interest)
-        return None if mask is None else Candidate(mask)
 
     def _from_previous(self, request: _Request) -> Candidate | None:
         """Return the previous mask, if any, corrected by the points that contradict it.
@@ -346,12 +341,6 @@ class Partition(drawing.Pictured):
         """Return the first answer of the network to a prompt; only the pixels of its points without any."""
         found = next(answers, Candidate(np.zeros(self.shape, bool)))
         return found._replace(mask=self._keep_connected(found.mask, prompt, free))
-
-    def _leave_free(self, found: Candidate, request: _Request) -> Candidate:
-        """Leave the pixels of a candidate that may be selected; where some may not, it is no longer unambiguous."""
-        if not (found.mask & ~request.free).any():
-            return found
-        return Candidate(self._keep_connected(found.mask, request.prompt, request.free))
 
     def _build_answer(self, found: Candidate, request: _Request) -> Selection:
         """Build the selection of a candidate, with a remark if hardly anything says that it is an object.

@@ -491,7 +491,7 @@ class ObjectSelection(QObject):
         """Give up what waits for an answer that does not come."""
         self._answered = request
         self._waiting.clear()
-        self._clear_steps()
+        self._steps = 0
         self._show_awaited_clicks()
 
     def _catch_up(self) -> None:
@@ -517,7 +517,7 @@ class ObjectSelection(QObject):
     def _on_candidate(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
         """Select a candidate, and show its number."""
         (_, asked, by), (before, edited) = step, self._stepped_clicks
-        self._clear_steps()
+        self._steps = 0
         if asked != before:
             return
         if not clicks:
@@ -528,9 +528,6 @@ class ObjectSelection(QObject):
         else:
             self._set_clicks(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
             self._session.messages.show(tr("Candidate {number} of {count}.").format(number=number, count=count))
-
-    def _clear_steps(self) -> None:
-        self._steps = 0
 
     def _set_proposals(self, proposals: tuple[Proposal, ...]) -> None:
         """Replace the proposals; there are none while there is no partition."""
