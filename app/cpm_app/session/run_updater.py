@@ -75,7 +75,16 @@ class RunUpdater:
     @property
     def _current_sources(self) -> Counter[Hashable]:
         """The sources of the particles of the run that is shown."""
-        return self.sources_by_run.get(self._run, _NO_SOURCES)
+        return self.find_sources(self._run)
+
+    def find_sources(self, run: int) -> Counter[Hashable]:
+        """Return the sources of the particles of a run, by its generation."""
+        return self.sources_by_run.get(run, _NO_SOURCES)
+
+    def restore_sources(self, run: int, sources: Counter[Hashable]) -> None:
+        """Make a run the current one, with the sources that its particles had at an earlier step."""
+        self.sources_by_run[run] = sources
+        self._run = run
 
     def _set_current_sources(self, sources: Counter[Hashable]) -> None:
         if self._run in self.sources_by_run:
@@ -92,8 +101,11 @@ class RunUpdater:
             self._outdated = document.shapes, sources, bool(sources - document.start_counts)
         return self._outdated[2] or document.start_inputs != self._start_inputs_by_run.get(self._run, ())
 
-    def update_run(self, before: Document, after: Document, complete: bool) -> None:
-        """Send the changes of the document to the worker; unless `complete`, the gesture is still going on."""
+    def update_run(self, before: Document, after: Document, complete: bool, resumes: bool) -> None:
+        """Send the changes of the document to the worker.
+
+        Unless `complete`, the gesture is still going on; unless it `resumes`, a run that has ended stays where it is.
+        """
         if before.parameters != after.parameters:
             self._post(call_run(None, Run.set_parameters, after.parameters))
         if _find_start_inputs(before) != _find_start_inputs(after):
@@ -102,13 +114,13 @@ class RunUpdater:
             self._store.set_busy("seeding", tr("Looking for starting positions…"))
             self._post(find_seeds(self._store.image_generation, after))
         if before.charges != after.charges:
-            self._post(call_run(None, Run.set_charges, self._store.image_generation, after.charges))
+            self._post(call_run(None, Run.set_charges, self._store.image_generation, after.charges, resumes))
         if before.hand_edits != after.hand_edits:
             self._post(call_run(None, Run.set_hand_edits, after.hand_edits))
         if not self._store.status.started:
             return
         if before.regions != after.regions:
-            self._post(call_run(self._store.generation, Run.set_regions, after.regions))
+            self._post(call_run(self._store.generation, Run.set_regions, after.regions, resumes))
         if complete:
             self.end_gesture()
 

@@ -117,27 +117,28 @@ class Run:
         """Show the area of a document's start as long as there is no run."""
         self._drawn = document
 
-    def set_charges(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
+    def set_charges(self, image_generation: int, charges: tuple[PlacedCharge, ...], resumes: bool = True) -> bool:
         """Use these placed charges from the next step on this image; return whether a run that had ended continues."""
         if image_generation != self.image_generation:
             return False
         self.charges = charges
-        return self._resume_ended()
+        return resumes and self._resume_ended()
 
-    def set_regions(self, regions: AnyRegions | None) -> bool:
+    def set_regions(self, regions: AnyRegions | None, resumes: bool = True) -> bool:
         """Use these regions and barriers from the next step on; return whether a run that had ended continues."""
         if self.method is None or regions == self.method.regions:
             return False
         self.method = self.method.with_regions(regions)
         self._prepared.keep_method(self.method)
-        return self._resume_ended()
+        return resumes and self._resume_ended()
 
     def add_particles(self, document: Document) -> bool:
-        """Add the particles of a document's starts; return whether a run that had ended continues."""
+        """Add the particles of a document's starts; return whether a run that had ended continues, on a branch."""
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
-        self._apply_action(JoinAction(as_line(self._prepared.compute_seeds(document)), self.method.regions))
+        joined = JoinAction(as_line(self._prepared.compute_seeds(document)), self.method.regions)
+        self._apply_action(joined, on_own_branch=ended)
         return ended and self._step_without_limit()
 
     def erase_particles(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
