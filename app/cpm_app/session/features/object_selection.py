@@ -13,7 +13,6 @@ from PySide6.QtCore import QObject, Signal
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import AnySelection
-from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
@@ -31,6 +30,7 @@ from cpm_app.session.features.selector import (
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
@@ -110,6 +110,8 @@ class ObjectSelection(QObject):
         self._selectors: dict[int, Selector] = {}
         self._request: SelectionRequest | None = None
         self._remark, self._was_ready = "", False
+        self._shown_partition: AnyPartition | None = None
+        """The partition whose proposals are shown."""
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
         self._finding = ENDED_TASK
         self.partition_updater = PartitionUpdater(
@@ -147,31 +149,11 @@ class ObjectSelection(QObject):
         return self._latest.idle and self._finding.is_over and not self.partition_updater.preparing
 
     @property
-    def advice(self) -> str:
-        """Hint on what can be done with the proposals; empty if there are none, or if Enter accepts none of them."""
-        offered = self.proposals
-        keys = {row.key for row in self._list.rows_to_accept} if offered else set()
-        accepted = [each for each in offered if ("proposal", each.key) in keys]
-        if self.selecting:
-            hint = tr(
-                "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
-            )
-        elif 1 < len(accepted) < len(offered):
-            hint = tr("{chosen} of {count} objects are selected. Enter: accept them · {key:reject}: reject them")
-            if not self._list.selected_keys:
-                hint = tr("{chosen} of {count} objects are likely. Enter: accept them · {key:reject}: reject all")
-        elif len(accepted) > 1 and self._in_use:
-            hint = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
-        elif len(accepted) > 1:
-            hint = tr("{count} objects found. Enter: accept all · {key:objects}: select · {key:reject}: reject")
-        elif len(offered) > 1 and accepted:
-            hint = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
-        elif accepted:
-            hint = tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · {key:reject}: reject")
-        else:
-            return ""
-        likely = format_confidence(accepted[0].selection) if accepted else ""
-        return insert_keys(hint, count=len(offered), chosen=len(accepted), likely=likely and f", {likely}")
+    def offer_is_known(self) -> bool:
+        """Whether all that the run offers is shown; true if it offers nothing."""
+        updater = self.partition_updater
+        shown = updater.is_current and self._shown_partition is updater.partition and self._finding.is_over
+        return shown or not self._offered_starts
 
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
@@ -384,8 +366,7 @@ class ObjectSelection(QObject):
         if self._searched is partition:
             self._found = found
             self._request_answer()
-            if not found:
-                self._session.messages.show(tr("No object was found: click one, or start the run there."))
+            self.changed.emit()
 
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
@@ -440,6 +421,9 @@ class ObjectSelection(QObject):
         if remark and remark != self._remark:  # once
             self._session.messages.show(remark)
         self._remark = remark
+        if self._shown_partition is not request.selector.partition:
+            self._shown_partition = request.selector.partition
+            self.changed.emit()
         if candidate is not None and request.candidate_step is not None:
             self._on_candidate(request.candidate_step, *candidate)
         callback, self._on_answered = self._on_answered, None
@@ -459,7 +443,8 @@ class ObjectSelection(QObject):
             self._session.messages.show(none)
         else:
             self._set_clicks(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
-            self._session.messages.show(tr("Candidate {number} of {count}.").format(number=number, count=count))
+            ranked = tr("Candidate {number} of {count}.", number=number, count=count)
+            self._session.messages.show(ranked, category=EDITING_CATEGORY)
 
     def _clear_steps(self) -> None:
         self._steps = 0
@@ -483,7 +468,7 @@ class ObjectSelection(QObject):
         self._latest.drop_waiting()
         self._finding.cancel()
         self._selectors, self._found = {}, ()
-        self._request = self._pointed = self._searched = None
+        self._request = self._pointed = self._searched = self._shown_partition = None
         self._steps, self._run_ended = 0, False
 
 

@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 from cpm_app.model.document import edits
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.features.comparison import CURRENT_KEY
+from cpm_app.session.features.outcome import describe_outcome
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.session_messages import OPENING_CATEGORY, PROGRAM_CATEGORIES
 from cpm_app.views.canvas.canvas import Canvas, ToolDispatcher
@@ -75,6 +76,7 @@ class CanvasArea(QWidget):
         self._tools = {kind.name: kind(*tool_arguments) for kind in TOOLS}
         self.canvas.dispatcher = ToolDispatcher(self._tools[FIRST_TOOL], SelectTool(*tool_arguments))
         self._has_focus_from_field = False
+        self._was_running = self._tells_outcome = False
         self.canvas.installEventFilter(self)
         self.canvas.pointer_moved.connect(self._on_pointer_moved)
         self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
@@ -107,6 +109,7 @@ class CanvasArea(QWidget):
             self._session.select_shape(None)
         self.crosshair.move_by(0.0, 0.0)
         self.canvas.setFocus()
+        self._tells_outcome = False
         self.update_hint()
         if changed:
             self.tool_changed.emit()
@@ -143,11 +146,20 @@ class CanvasArea(QWidget):
             self._workspace.review.select()
 
     def update_hint(self) -> None:
-        """Show the next step below the canvas; advice of the tool has priority."""
-        text = self._session.resolved.hint
-        if self._session.document.image is not None:
-            offered = "" if self._selection.selecting else self._selection.advice
-            text = self.crosshair.advice or self.canvas.dispatcher.tool.advice or offered or text
+        """Show below the canvas what was found and what to do next.
+
+        The end of a run speaks before the tool, until another one is chosen; what a gesture or a selection needs, first.
+        """
+        session, tool = self._session, self.canvas.dispatcher.tool
+        status, text = session.status, session.resolved.hint
+        running = status.phase == "running"
+        self._tells_outcome = not running and (self._tells_outcome or self._was_running)
+        self._was_running = running
+        if session.document.image is not None:
+            found = text if status.stale or status.steered else describe_outcome(self._workspace)
+            engaged = self.canvas.dispatcher.is_gesturing or self._workspace.object_list.selected_numbers
+            first, then = (found, tool.advice) if self._tells_outcome and not engaged else (tool.advice, found)
+            text = self.crosshair.advice or first or then or text
         self.strip.show_hint(text)
 
     def zoom_to_selection(self) -> None:
