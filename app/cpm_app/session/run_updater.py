@@ -23,7 +23,7 @@ from cpm_app.session.undo_history import Erasure
 from cpm_app.session.worker.commands import WorkerCommand, call_run, find_seeds
 from cpm_app.session.worker.run import Run
 from cpm_core.numerics import Place
-from cpm_core.shapes import Interest, Shape
+from cpm_core.shapes import Interest, Shape, Start
 
 _MOTION_ALLOWANCE = 2.0
 """Distance by which particles may have moved since they were shown [px]."""
@@ -39,7 +39,8 @@ class RunUpdater:
         self._store = store
         self._post = post
         self._run = 0
-        self._start_inputs_by_run: dict[int, tuple[object, ...]] = {}
+        self._documents_by_run: dict[int, Document] = {}
+        """The document that each run has begun from, with the mode that it serves now, by its generation."""
         self.sources_by_run: dict[int, Counter[Hashable]] = {}
         """The sources of the particles of each run, by its generation."""
         self._erasures = 0
@@ -50,7 +51,7 @@ class RunUpdater:
     def begin_run(self, run: int, document: Document) -> None:
         """Record that the run of this generation starts from a document."""
         self._run = run
-        self._start_inputs_by_run[run], self.sources_by_run[run] = document.start_inputs, document.start_counts
+        self._documents_by_run[run], self.sources_by_run[run] = document, document.start_counts
         self._last_start_counts, self._last_shapes = document.start_counts, document.shapes
 
     def set_current_run(self, run: int) -> None:
@@ -63,12 +64,12 @@ class RunUpdater:
         document = self._store.scene.document
         self._last_start_counts, self._last_shapes = document.start_counts, document.shapes
         for run, (first, sources) in begun.items():
-            self._start_inputs_by_run[run] = replace(first, image=document.image).start_inputs
+            self._documents_by_run[run] = replace(first, image=document.image)
             self.sources_by_run[run] = sources
 
     def clear(self) -> None:
         """Remove all runs, because another image has been opened."""
-        self._start_inputs_by_run.clear()
+        self._documents_by_run.clear()
         self.sources_by_run.clear()
         self._run = 0
 
@@ -99,14 +100,34 @@ class RunUpdater:
         # The window asks many times a second, and many thousand points take a while to compare.
         if document.shapes is not self._outdated[0] or sources is not self._outdated[1]:
             self._outdated = document.shapes, sources, bool(sources - document.start_counts)
-        return self._outdated[2] or document.start_inputs != self._start_inputs_by_run.get(self._run, ())
+        begun = self._documents_by_run.get(self._run)
+        return self._outdated[2] or begun is None or document.start_inputs != begun.start_inputs
+
+    @property
+    def starts(self) -> tuple[Start, ...]:
+        """The starts of the run that is shown, whatever has been drawn since."""
+        return starts_from_sources(self._current_sources)
+
+    def continue_run(self, document: Document) -> None:
+        """Let the run go on in the mode of the document, which has only now been chosen for it."""
+        if not self._is_served(document):
+            self._documents_by_run[self._run] = replace(self._documents_by_run[self._run], mode=document.mode)
+            self._post(call_run(None, Run.set_parameters, document.parameters))
+
+    def _is_served(self, document: Document) -> bool:
+        """Return whether the mode of a document is that of the run; true without a run.
+
+        The parameters of another mode are for the next run, and must not change what this one has found.
+        """
+        begun = self._documents_by_run.get(self._run) if self._store.status.started else None
+        return begun is None or begun.mode == document.mode
 
     def update_run(self, before: Document, after: Document, complete: bool, resumes: bool) -> None:
         """Send the changes of the document to the worker.
 
         Unless `complete`, the gesture is still going on; unless it `resumes`, a run that has ended stays where it is.
         """
-        if before.parameters != after.parameters:
+        if (before.parameters, before.mode) != (after.parameters, after.mode) and self._is_served(after):
             self._post(call_run(None, Run.set_parameters, after.parameters))
         if _find_start_inputs(before) != _find_start_inputs(after):
             self._post(call_run(None, Run.set_start, after))

@@ -204,7 +204,7 @@ class Session(QObject):
                 self.run()
 
     def set_mode(self, mode: Mode) -> None:
-        """Change the mode."""
+        """Change the mode of the next run; what the last one has found stays until then."""
         name = tr("mode “{mode}”", mode=MODES[mode].title.replace("&", ""))
         self.edit(name, lambda document: document if document.mode == mode else switch_mode(document, mode))
 
@@ -289,6 +289,7 @@ class Session(QObject):
             self.store.generation = self._next_generation()
             self.store.clear_run()
             self.post_command(call_run(None, Run.discard_state, self.store.generation))
+            self.post_command(call_run(None, Run.set_parameters, self.document.parameters))
             if kept:
                 kept_on = tr(
                     "The run stays on the timeline: click it there or press {key:timeline_last} to return to it."
@@ -488,6 +489,8 @@ class Session(QObject):
             self.run_updater.begin_run(self.store.generation, self.document)
             self.store.clear_run(MODES[self.document.mode].method)
             self.post_command(start_run(self.store.generation, self.store.image_generation, self.document))
+        else:
+            self.run_updater.continue_run(self.document)
 
     def _next_generation(self) -> int:
         self._numbered += 1

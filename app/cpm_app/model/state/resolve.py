@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from cpm_app.model.display.lengths import format_measured_length, format_scientific
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.document.modes import MODES, needs_start
-from cpm_app.model.state.situation import RunStatus, Situation, has_volume
+from cpm_app.model.state.situation import RunStatus, Situation, has_volume, moves_particles
 from cpm_app.model.state.surface_figures import SURFACE_LABEL, VOLUME_LABEL, format_surface_figures
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
@@ -78,7 +78,7 @@ def resolve_texts(situation: Situation) -> WindowTexts:
         state=_describe_run_state(situation),
         hint=_suggest_next_action(situation),
         numbers=_format_run_numbers(status, document.image)
-        if needs_start(document.mode)
+        if moves_particles(situation)
         else _format_skeleton_numbers(status, document.image),
     )
 

@@ -327,11 +327,11 @@ class ObjectSelection(QObject):
         use.
         """
         document, result = self._session.document, self._session.scene.contours.result
-        if result is None or not result.stop_reason or document.mode == "skeleton":
+        if result is None or not result.stop_reason:
             return ()
         if not self._in_use and (math.prod(result.shape) > MAX_OFFERED_PIXELS or not self._pages.is_drawn(document)):
             return ()
-        return document.starts
+        return self._session.run_updater.starts
 
     def _on_scene_changed(self) -> None:
         """Offer the objects of a run once it has ended, but none of one that has been reset or continues."""

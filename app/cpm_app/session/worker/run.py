@@ -110,8 +110,9 @@ class Run:
 
     def set_parameters(self, parameters: Parameters) -> None:
         """Use these parameters from the next step on."""
-        self.parameters = parameters
-        self.reconstruct_if_halted()
+        if parameters != self.parameters:
+            self.parameters = parameters
+            self.reconstruct_if_halted()
 
     def set_start(self, document: Document) -> None:
         """Show the area of a document's start as long as there is no run."""
