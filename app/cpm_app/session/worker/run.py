@@ -222,7 +222,7 @@ class Run:
         return self.image_generation, self.state is None, self._drawn, *made_of
 
     def _compute_start_area(self) -> DisplayImage | None:
-        """Compute the overlay of the area by which the run, or one from the document, is limited, if any."""
+        """Compute the overlay of the area of the run, or of one from the document; without edges, the whole image."""
         method, state = self.method, self.state
         if state is None and self._drawn.starts:
             method = self._prepared.method_for(self._drawn)
@@ -234,7 +234,9 @@ class Run:
         if not isinstance(state, State):
             return None
         area = method.start_area(state.start, self.parameters)
-        return None if area is None else DisplayImage.from_shades(shade_area(area))
+        if area is None:
+            area = np.ones(method.image.shape, bool)
+        return DisplayImage.from_shades(shade_area(area))
 
     # Steps
 

@@ -7,12 +7,16 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
+from cpm_app.model.display.display_image import DisplayImage, measure_area_share
 from cpm_app.model.document import edits
-from cpm_app.model.text.language import tr, translate_core_text
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import localize_number, tr, translate_core_text
+from cpm_app.session.exchange.messages import OverlayData
 from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.session.features.outcome import describe_outcome
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.session_messages import OPENING_CATEGORY, PROGRAM_CATEGORIES
+from cpm_app.session.worker.prepared_methods import AREA_OVERLAY
 from cpm_app.views.canvas.canvas import Canvas, ToolDispatcher
 from cpm_app.views.canvas.crosshair import Crosshair
 from cpm_app.views.canvas.flow import ParticleFlow
@@ -25,6 +29,12 @@ from cpm_app.views.tools.select import SelectTool
 from cpm_app.views.widgets.containers import ENTER_KEYS, OfferBar, fill_layout
 from cpm_core.numerics import Place
 from cpm_core.shapes import Circle, Sphere
+
+_WIDE_AREA_TEXT = tr(
+    "No edge encloses this start: its area is {percent} of the image. Start inside an object, or limit the run by a "
+    "region of interest ({key:region})."
+)
+"""Sentence on an area of a start that covers most of the image."""
 
 FIRST_TOOL = "circle"
 """Tool in use when the window opens."""
@@ -45,6 +55,9 @@ _DRAFT_KEYS = (*ENTER_KEYS, Qt.Key.Key_Backspace)
 
 _PAN_STEP = 40.0
 """Distance that one press of an arrow key pans [px of the screen]."""
+
+_WIDE_AREA_SHARE = 0.5
+"""Share of the image above which the area of a start is said to cover most of it."""
 
 _NEW_CIRCLE_FRACTION = 0.2
 """Radius of a circle added by key, as a fraction of the visible part."""
@@ -77,6 +90,8 @@ class CanvasArea(QWidget):
         self.canvas.dispatcher = ToolDispatcher(self._tools[FIRST_TOOL], SelectTool(*tool_arguments))
         self._has_focus_from_field = False
         self._was_running = self._tells_outcome = False
+        self._area: OverlayData | None = None
+        self._area_share = 0.0
         self.canvas.installEventFilter(self)
         self.canvas.pointer_moved.connect(self._on_pointer_moved)
         self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
@@ -155,6 +170,8 @@ class CanvasArea(QWidget):
         running = status.phase == "running"
         self._tells_outcome = not running and (self._tells_outcome or self._was_running)
         self._was_running = running
+        if status.phase == "ready" and self._area_share > _WIDE_AREA_SHARE:
+            text = insert_keys(_WIDE_AREA_TEXT, percent=localize_number(f"{100.0 * self._area_share:.0f} %"))
         if session.document.image is not None:
             found = text if status.stale or status.steered else describe_outcome(self._workspace)
             engaged = self.canvas.dispatcher.is_gesturing or self._workspace.object_list.selected_numbers
@@ -205,6 +222,11 @@ class CanvasArea(QWidget):
         self._has_focus_from_field = False
 
     def _draw_scene(self) -> None:
+        area = self._session.scene.overlays.get(AREA_OVERLAY)
+        if area is not self._area:
+            self._area = area
+            self._area_share = measure_area_share(area) if isinstance(area, DisplayImage) else 0.0
+            self.update_hint()
         self.canvas.draw_scene(self.flow.scene)
         self.strip.legend.schedule_update()
 
