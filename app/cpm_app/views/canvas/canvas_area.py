@@ -36,6 +36,11 @@ _WIDE_AREA_TEXT = tr(
 )
 """Sentence on an area of a start that covers most of the image."""
 
+_OTHER_VALUES_TEXT = tr(
+    "This step was computed with other values than the sliders show; the button next to its number sets them."
+)
+"""Sentence on a step that was computed with other parameters than those of the document."""
+
 FIRST_TOOL = "circle"
 """Tool in use when the window opens."""
 
@@ -110,6 +115,7 @@ class CanvasArea(QWidget):
         session.store.status_changed.connect(self.update_hint)
         self.flow.changed.connect(self._draw_scene)
         self._selection.changed.connect(self.update_hint)
+        workspace.navigation.changed.connect(self._on_step_changed)
         workspace.object_list.selection_changed.connect(self.update_hint)
         self._draw_scene()
 
@@ -174,6 +180,8 @@ class CanvasArea(QWidget):
             text = insert_keys(_WIDE_AREA_TEXT, percent=localize_number(f"{100.0 * self._area_share:.0f} %"))
         if session.document.image is not None:
             found = text if status.stale or status.steered else describe_outcome(self._workspace)
+            if status.phase == "paused" and self._workspace.navigation.differing_parameters is not None:
+                found = _OTHER_VALUES_TEXT
             engaged = self.canvas.dispatcher.is_gesturing or self._workspace.object_list.selected_numbers
             first, then = (found, tool.advice) if self._tells_outcome and not engaged else (tool.advice, found)
             text = self.crosshair.advice or first or then or text
@@ -220,6 +228,11 @@ class CanvasArea(QWidget):
     def _on_pointer_moved(self) -> None:
         """Note that the pointer has been used since a field returned the focus."""
         self._has_focus_from_field = False
+
+    def _on_step_changed(self) -> None:
+        """Update the hint for another step of the timeline; during a run the status does."""
+        if self._session.status.phase != "running":
+            self.update_hint()
 
     def _draw_scene(self) -> None:
         area = self._session.scene.overlays.get(AREA_OVERLAY)
