@@ -130,7 +130,7 @@ def _suggest_next_action(situation: Situation) -> str:
     if status.phase == "empty":
         message = tr("Open an image ({key:open}) or drop one here.")
     elif status.started and status.stale and status.phase == "running":
-        message = tr("The starts or scales have changed: Reset ({key:reset}) to use them.")
+        message = tr("The starts or scales have changed: they act from the next run on.")
     elif status.started and status.stale:
         message = tr("The starts or scales have changed: Run starts over with them.")
     elif status.started and status.steered:
@@ -139,8 +139,7 @@ def _suggest_next_action(situation: Situation) -> str:
         )
     elif isinstance(shape, Charge):
         message = tr(
-            "Drag the {shape} of strength {strength} or move it with arrow keys; [ and ] make it weaker and stronger; "
-            "{key:delete} removes it."
+            "Drag the {shape} of strength {strength}; [ and ] change its strength, {key:delete} removes it."
         )
         return insert_keys(
             message, shape=translate_core_text(shape.title), strength=localize_number(f"{abs(shape.strength):g}")

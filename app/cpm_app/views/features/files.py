@@ -313,7 +313,7 @@ class StartFeature(Feature):
 
 
 class FolderBar(QWidget):
-    """Position in the folder ("3 of 24") with buttons; hidden if the image is the only one of its folder."""
+    """Position in the folder ("File 3 of 24") with buttons; hidden if the image is the only one of its folder."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -332,8 +332,8 @@ class FolderBar(QWidget):
 
     def show_folder_position(self, index: int, count: int, folder: str) -> None:
         """Show the position of an image in its folder; the first one has index 0."""
-        self._place.setText(tr("{number} of {count}", number=index + 1, count=count))
-        self._place.setToolTip(tr("Images in {folder}", folder=folder))
+        self._place.setText(tr("File {number} of {count}", number=index + 1, count=count))
+        self._place.setToolTip(tr("Images and volumes in {folder}, by their names.", folder=folder))
         self.setVisible(count > 1)
 
 

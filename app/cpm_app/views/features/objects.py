@@ -87,7 +87,7 @@ class ObjectsFeature(Feature):
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals and closed contours as objects, and keep open contours; Enter "
                        "does the same.",
-                       commands.accept_pending,
+                       commands.accept_pending, shown_key="Enter",
                        when=lambda _: bool(selection.proposals)
                        or has_selected("proposal", "closed", "open", "rejected")),
             ActionSpec("reject", "Objects", "&Reject",

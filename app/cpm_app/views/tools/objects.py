@@ -73,7 +73,8 @@ class ObjectTool(Tool):
         return "" if self._selection.proposals else tr("Click in an object, or drag across it.")
 
     def set_in_use(self, in_use: bool) -> None:
-        """Keep the image prepared while the tool is in use."""
+        """Keep the image prepared, and without the dots of starts everywhere, while the tool is in use."""
+        self._drawing.hide_computed(in_use)
         self._selection.set_in_use(in_use)
 
     def on_press(self, at: Place, reach: float) -> None:

@@ -90,10 +90,10 @@ def test_only_a_session_that_names_the_image_belongs_to_it(folder: Path) -> None
 def test_keys_lead_through_the_folder_and_the_place_is_shown(window, hand, folder) -> None:
     assert not place(window)
     open_image(window, hand, folder / "hand1.npy")
-    assert place(window) == "1 of 3"
+    assert place(window) == "File 1 of 3"
     assert not window.actions_by_name["previous_image"].isEnabled()
     go(window, hand, NEXT, "hand2.npy")
-    assert place(window) == "2 of 3"
+    assert place(window) == "File 2 of 3"
     assert len(window.session.document.shapes) == 1
     assert window.get_feature(OpenSaveFeature).document_file.path == folder / "hand2.cpm"
     go(window, hand, NEXT, "Hand10.npy")
@@ -107,7 +107,7 @@ def test_a_click_leads_to_the_next_image_and_one_that_has_gone_is_passed_over(wi
     (folder / "hand2.npy").unlink()
     hand.qtbot.mouseClick(window.get_feature(FolderFeature).bar.forward, Qt.MouseButton.LeftButton)
     hand.wait(lambda: name(window) == "Hand10.npy" and window.session.idle)
-    assert place(window) == "2 of 2"
+    assert place(window) == "File 2 of 2"
 
 
 def draw(window: MainWindow) -> None:

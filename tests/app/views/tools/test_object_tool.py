@@ -390,6 +390,7 @@ def test_brackets_take_the_next_candidate_and_undo_takes_the_step_back(window, h
         assert window.session.document.objects.clicks[-1].step == step
     hand.wait(lambda: objects.idle and offered(objects).sum() == disk(SMALL[0], 5.0).sum())
     take(hand)
+    assert "Candidate" not in window.canvas_area.messages.text
     (item,) = taken(window)
     assert item.clicks[-1].step == -1
     objects.refit_objects(frozenset({1}))
