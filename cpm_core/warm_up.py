@@ -92,7 +92,8 @@ def large_once() -> None:
     slopes = partial(gradient_in_window, _IMAGE, 1.0)
     smoothed_gradient(_TALL, 1.0, np.float32)
     whole = build_scale_field(_IMAGE, 1.0, 0.0, slopes=slopes)
-    part = limit_field(whole, np.ones(_IMAGE.shape, bool), whole.floor).crop((slice(0, 32), slice(0, 31)))
+    part = limit_field(whole, np.ones(_IMAGE.shape, bool), whole.floor)
+    _ = part.packed
     find_contours(circle((15.5, 15.5), 9.0), part, _TWO_SCALES)
 
 

@@ -29,7 +29,6 @@ LATE_LIBRARIES = {
     "cpm_core.objects.segmented.by_hand": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},
     "cpm_core.contours.faces": {"shapely"},
-    "cpm_core.contours.polygonal_line": {"shapely"},
     "cpm_core.contours.region_table": {"shapely"},
     "cpm_core.image.regions": {"shapely"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},

@@ -222,24 +222,20 @@ def artery(film: Film) -> None:
     dialog.close()
 
 
-OUTLINE = ((87.0, 171.0), (225.0, 76.0))
-"""A place on each of the two open contours of the hand, which ends at the border of the image."""
+PALM = (150.0, 120.0)
+"""A place in the palm of the hand."""
 
 
 def hand(film: Film) -> None:
-    """Show a circle in the palm that finds the outline up to every fingertip; close it at the wrist, and accept it."""
+    """Show a circle in the palm that finds the outline up to every fingertip; click the hand, and accept it."""
     film.stand.open("hand.png")
     film.hold(0.8)
     film.run(60)
     film.hold(0.6)
-    film.window.workspace.hand_editing.request_edges()
     film.key(Qt.Key.Key_X, "X")
     film.settle()
-    film.key(Qt.Key.Key_S, "S")
-    film.click_image(*OUTLINE[0])
-    film.click_image(*OUTLINE[1], modifier=Qt.KeyboardModifier.ShiftModifier)
-    film.hold(0.6)
-    film.key(Qt.Key.Key_C, "Shift+C", Qt.KeyboardModifier.ShiftModifier)
+    film.key(Qt.Key.Key_W, "W")
+    film.click_image(*PALM)
     film.settle()
     film.hold(0.8)
     film.key(Qt.Key.Key_Return, "Enter")

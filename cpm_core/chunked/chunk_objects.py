@@ -12,7 +12,8 @@ from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import Window, expand_window, relative_window, true_bounds
 from cpm_core.numerics.types import Array
-from cpm_core.objects.all_objects import ImageParts, find_object_candidates
+from cpm_core.objects.all_objects import find_image_objects
+from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.partition import ParentImage, Partition
 
 OBJECT_MARGINS = 128, 384, 1024
@@ -59,8 +60,9 @@ def find_chunk_objects(
         parts = ImageParts.from_partition(Partition(Image(source.read_grays(window)), seen, parent=here))
         if parts.is_settled(relative_window(chunk.core, window)):
             break
-    for mask, _, _ in find_object_candidates(parts):
+    for found in find_image_objects(parts):
+        mask = found.region.paste(parts.partition.shape)
         box = low + true_bounds(mask)
         if chunk.may_own(box.mean(axis=0)):
-            found = (one.contour for one in parts.partition.outline_mask(mask))
-            yield box, [Contour(one.points + low, True, one.strength, hole=one.hole) for one in found]
+            outlines = (one.contour for one in parts.partition.outline_mask(mask))
+            yield box, [Contour(one.points + low, True, one.strength, hole=one.hole) for one in outlines]

@@ -70,7 +70,7 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
     },
     "--session": {
         "metavar": "FILE",
-        "help": f"session file ({SESSION_SUFFIX}) with image, start, regions, parameters and review of contours",
+        "help": f"session file ({SESSION_SUFFIX}) with image, start, regions and parameters",
     },
     "--page": {"metavar": "N", "help": "plane, page or frame of a file that holds several, from 1"},
     "--time": {"metavar": "N", "help": "point in time of a file that holds several, from 1"},

@@ -128,7 +128,7 @@ class Batch:
     images : sequence of str
         The images as the user named them.
     session : SessionFile
-        Start, regions, charges and review.
+        Start, regions and charges.
     source : Path
         The file of the session.
     output : Path

@@ -11,7 +11,6 @@ import numpy as np
 
 from cpm_core.cli.arguments import add_options, check_exports, check_targets, parse_whole_number
 from cpm_core.cli.inputs import (
-    apply_session_review,
     fit_parameters,
     is_volume_session,
     locate_image,
@@ -143,7 +142,7 @@ def _load_session_result(source: Path, arguments: argparse.Namespace) -> tuple[R
     image = (load_volume if is_volume_session(session) else load_image)(path, **reading)
     parameters = fit_parameters(image, session.parameters)
     result = record_drawn_shapes(_restore_or_run(session, parameters, image, source), session.shapes)
-    return apply_session_review(result, image, parameters, session), str(path)
+    return result, str(path)
 
 
 def _restore_or_run(session: SessionFile, parameters: Parameters, image: Image, source: Path) -> Result:

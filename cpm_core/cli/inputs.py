@@ -32,8 +32,7 @@ from cpm_core.pages.follow import limit_scales
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.results.result import Result
-from cpm_core.results.review import apply_marks, restore_kept_contours
-from cpm_core.segmentation.evolve import DEFAULT_METHOD, SEEDED_METHODS, segment, with_hand_edits
+from cpm_core.segmentation.evolve import DEFAULT_METHOD, SEEDED_METHODS, segment
 from cpm_core.shapes import Shape, Start
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds
 from cpm_core.shapes.outlines import start_from_surface, starts_from_centerlines, starts_from_contours
@@ -161,14 +160,6 @@ def segment_shapes(
 def method_of(session: SessionFile) -> str:
     """Return the name of the method that runs from seeds in a session: that of its mode, if it has one of its own."""
     return session.mode if session.mode in SEEDED_METHODS else DEFAULT_METHOD
-
-
-def apply_session_review(
-    found: Result, image: Image, parameters: Parameters, session: SessionFile, *, kept: bool = True
-) -> Result:
-    """Apply the hand edits and the review of a session; `kept` contours belong only to its own image."""
-    edited = with_hand_edits(found, image, parameters, session.hand_edits)
-    return apply_marks(restore_kept_contours(edited, session.marks) if kept else edited, session.marks)
 
 
 def read_starts(path: str, image: Image) -> tuple[Start, ...]:

@@ -17,7 +17,6 @@ from cpm_core.cli.arguments import (
     add_parameter_options,
 )
 from cpm_core.cli.inputs import (
-    apply_session_review,
     fit_parameters,
     load_named_truth,
     segment_shapes,
@@ -183,7 +182,7 @@ def _run_image(request: RunRequest) -> int:
     if request.is_volume:
         result = shown = _select_bodies(made, request)
     else:
-        result = shown = apply_session_review(made, image, parameters, session, kept=request.has_session_image)
+        result = shown = made
         if request.positive_points or request.all_objects:
             parted = Partition.from_result(result)
             chosen = (
@@ -212,8 +211,6 @@ def _run_image(request: RunRequest) -> int:
             image=ImageFile(str(request.path.absolute()), image.sha256, image.shape, reading=Reading(**request.part)),
             shapes=shapes,
             parameters=parameters,
-            marks=session.marks if own else (),
-            hand_edits=session.hand_edits if own else (),
             view=session.view if own else {},
             pages={},
             notes=(),

@@ -18,7 +18,7 @@ from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.inputs import apply_session_review, fit_scales_to_image, list_image_notes, segment_shapes
+from cpm_core.cli.inputs import fit_scales_to_image, list_image_notes, segment_shapes
 from cpm_core.cli.output import collect_run_facts
 from cpm_core.formats import describe_omissions, load_image, to_bytes
 from cpm_core.formats.common.content import missing_package_message, try_fingerprint
@@ -88,7 +88,7 @@ class BatchJob:
     number: int  # index of the image
     row: BatchRow  # values known in advance
     path: str
-    session: SessionFile  # start, regions, charges and review
+    session: SessionFile  # start, regions and charges
     parameters: Parameters
     max_steps: int | None
     suffixes: Texts  # formats to write
@@ -104,7 +104,7 @@ def run_job(job: BatchJob) -> BatchRow:
         )
         parameters, small = fit_scales_to_image(job.parameters, image)
         found = segment_shapes(image, shapes, parameters, job.session, max_steps=job.max_steps)
-        result = apply_session_review(record_drawn_shapes(found, shapes), image, parameters, job.session, kept=False)
+        result = record_drawn_shapes(found, shapes)
         facts = collect_run_facts(result, time.perf_counter() - began)
         contents, notes = _encode_files(result, job.suffixes)
         notes = (*list_image_notes(image, parameters), *small, *notes)

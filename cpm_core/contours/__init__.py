@@ -1,4 +1,4 @@
-"""Contours: their points, measurements, agreement with one another and with a ground truth."""
+"""Contours: their points, measurements, and agreement with one another and with a ground truth."""
 
 from cpm_core.contours.agreement import DEFAULT_TOLERANCE as DEFAULT_TOLERANCE
 from cpm_core.contours.agreement import Agreement as Agreement
@@ -12,23 +12,11 @@ from cpm_core.contours.contour import select_bridges_on as select_bridges_on
 from cpm_core.contours.graph import Graph as Graph
 from cpm_core.contours.ground_truth import truth_from_contours as truth_from_contours
 from cpm_core.contours.ground_truth import truth_from_mask as truth_from_mask
-from cpm_core.contours.hand_edits import HandEdit as HandEdit
-from cpm_core.contours.hand_edits import HandEditKind as HandEditKind
 from cpm_core.contours.measurements import Measures as Measures
 from cpm_core.contours.measurements import compute_centroid as compute_centroid
 from cpm_core.contours.packed_surface import PackedBody as PackedBody
 from cpm_core.contours.packed_surface import PackedSurface as PackedSurface
 from cpm_core.contours.packed_surface import PackedVoxels as PackedVoxels
-from cpm_core.contours.review import ANCHOR_REACH as ANCHOR_REACH
-from cpm_core.contours.review import KeptOutline as KeptOutline
-from cpm_core.contours.review import Mark as Mark
-from cpm_core.contours.review import ReviewedContour as ReviewedContour
-from cpm_core.contours.review import Verdict as Verdict
-from cpm_core.contours.review import assign_anchors as assign_anchors
-from cpm_core.contours.review import capture_outline as capture_outline
-from cpm_core.contours.review import contour_midpoint as contour_midpoint
-from cpm_core.contours.review import find_anchors as find_anchors
-from cpm_core.contours.review import pair_with_marks as pair_with_marks
 from cpm_core.contours.surface import extract_object_surface as extract_object_surface
 from cpm_core.contours.surface import join_surfaces as join_surfaces
 from cpm_core.contours.surface import label_voxels as label_voxels

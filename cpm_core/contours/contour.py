@@ -11,7 +11,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
-from cpm_core.numerics.types import Array, Arrays, Integers, frozen, record
+from cpm_core.numerics.types import Array, Integers, frozen, record
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 
 SAMPLE_SPACING = 0.25
@@ -56,6 +56,11 @@ class Curve:
         """Lowest and highest row and column, shape (2, 2) [px]."""
         return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
+    @cached_property
+    def length(self) -> float:
+        """Length along the curve [px]."""
+        return polyline.path_length(self.path)
+
 
 @record
 class Contour(Curve):
@@ -74,13 +79,11 @@ class Contour(Curve):
     measure_contrast : callable or None
         Measures `contrast` (`field.region_contrast.mean_contrast`); None for a curve that was not found in an image.
     name : str
-        Name given by the user, or empty.
+        Name of the object that it bounds, or empty.
     color : str
-        Color given by the user, ``"#rrggbb"``; empty for the default color.
+        Color of the object that it bounds, ``"#rrggbb"``; empty for the default color.
     number : int
-        Number that it keeps through filters and runs, from 1; 0 for its place among the contours (`assign_numbers`).
-    by_hand : tuple of ndarray, each of shape (K, 2)
-        Stretches that were drawn by hand (`cpm_core.contours.hand_edits`): vertices of the contour, in order.
+        Number that it keeps through the pages of a stack, from 1; 0 for its place in order (`assign_numbers`).
     group : int
         Number of the object whose boundary it is, from 1; 0 for a contour without an object.
     hole : bool
@@ -106,8 +109,8 @@ class Contour(Curve):
     >>> square.length, square.area, square.box.tolist(), len(square.path)
     (40.0, 100.0, [[2.0, 2.0], [12.0, 12.0]], 5)
     >>> found = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8)).contours[0]
-    >>> round(found.contrast, 2), found.length_by_hand
-    (0.92, 0)
+    >>> round(found.contrast, 2)
+    0.92
     """
 
     strength: float = 0.0
@@ -116,7 +119,6 @@ class Contour(Curve):
     name: str = ""
     color: str = ""
     number: int = 0
-    by_hand: Arrays = ()
     group: int = 0
     hole: bool = False
     bridged: float = 0.0
@@ -133,16 +135,6 @@ class Contour(Curve):
         It takes longer to measure than a contour takes to find, and is measured at the first access.
         """
         return self.measure_contrast() if self.measure_contrast else 0.0
-
-    @cached_property
-    def length(self) -> float:
-        """Length along the curve [px]."""
-        return polyline.path_length(self.path)
-
-    @property
-    def length_by_hand(self) -> float:
-        """Length of the stretches drawn by hand [px]."""
-        return sum(polyline.path_length(stretch) for stretch in self.by_hand)
 
     @property
     def area(self) -> float:

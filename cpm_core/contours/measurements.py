@@ -50,8 +50,6 @@ class Measures:
         Number of the innermost closed contour around it; 0 without any.
     length_in_units, area_in_units : float
         Length and area in the unit of the image's spacing and its square.
-    by_hand : float
-        Length of the stretches drawn by hand [px].
     net_area : float
         Enclosed area without the closed contours directly inside, holes or further objects [px²]: the area of
         its label in the label mask. 0 when open, and for the hole of an object.
@@ -74,7 +72,6 @@ class Measures:
     area_in_units: float
     net_area: float
     net_area_in_units: float
-    by_hand: float = 0.0
 
     def __repr__(self) -> str:
         kind = "closed" if self.closed else "open"
@@ -158,7 +155,6 @@ def measure(
             inside=0 if outer is None else numbers[outer],
             length_in_units=path_length(contour.path * spacing),
             area_in_units=contour.area * spacing[0] * spacing[1],
-            by_hand=contour.length_by_hand,
             net_area=own,
             net_area_in_units=own * spacing[0] * spacing[1],
         )

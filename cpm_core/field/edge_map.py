@@ -61,7 +61,9 @@ def smoothed_gradient(values: ArrayLike, smoothing: float, precision: DTypeLike 
         image = np.ascontiguousarray(image)
 
         def write_band(first: int, end: int) -> None:
-            _write_slopes(smooth_rows(image, smoothing, first - 1, end + 1), min(first, 1), out[:, first:end])
+            smooth, at = smooth_rows(image, smoothing, first - 1, end + 1), min(first, 1)
+            slopes = _central_differences(smooth, np.empty((2, *smooth.shape), out.dtype))
+            out[:, first:end] = slopes[:, at : at + end - first]
 
         run_in_bands(write_band, len(image))
         return out
@@ -74,22 +76,6 @@ def gradient_in_window(values: Array, smoothing: float, window: Window) -> Array
     """Return `smoothed_gradient` of an image, shape (H, W), in a window of it, shape (2, h, w), in single precision."""
     outer = expand_window(window, gaussian_radius(smoothing) + 1, values.shape)
     return smoothed_gradient(values[outer], smoothing, np.float32)[(slice(None), *relative_window(window, outer))]
-
-
-@compiled
-def _write_slopes(smooth: Array, at: int, out: Array) -> None:
-    """Write `_central_differences` of rows in the plane, from row `at` on."""
-    lines, cols = smooth.shape
-    half = out.dtype.type(0.5)
-    for i in range(out.shape[1]):
-        here, above, below = at + i, max(at + i - 1, 0), min(at + i + 1, lines - 1)
-        for c in range(cols):
-            out[0, i, c] = half * out.dtype.type(smooth[below, c] - smooth[above, c])
-        for c in range(1, cols - 1):
-            out[1, i, c] = half * out.dtype.type(smooth[here, c + 1] - smooth[here, c - 1])
-        for c in (0, cols - 1):
-            right, left = min(c + 1, cols - 1), max(c - 1, 0)
-            out[1, i, c] = half * out.dtype.type(smooth[here, right] - smooth[here, left])
 
 
 def _central_differences(values: Array, out: Array) -> Array:

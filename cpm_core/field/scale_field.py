@@ -446,9 +446,11 @@ def _write_force(
     one, zero, half = kind(1.0), kind(0.0), kind(0.5)
     rows, cols = strength.shape
     low, high = max(corner[0] + first - _FORCE_OVERLAP, 0), min(corner[0] + end + _FORCE_OVERLAP, rows)
-    lines = np.empty((7, high - low, cols), strength.dtype)
-    size, normal_y, normal_x, slope, summits, sizes, slopes = lines
-    steep, summit, beside, steepest = np.empty((4, cols), strength.dtype)
+    lines, largest = np.empty((7, high - low, cols), strength.dtype), np.empty((4, cols), strength.dtype)
+    # one by one: Numba does not see that parts of an array that is unpacked are contiguous
+    size, normal_y, normal_x, slope = lines[0], lines[1], lines[2], lines[3]
+    summits, sizes, slopes = lines[4], lines[5], lines[6]
+    steep, summit, beside, steepest = largest[0], largest[1], largest[2], largest[3]
     for r in range(high - low):
         for c in range(cols):
             f_y, f_x = kind(field[0, low + r, c]), kind(field[1, low + r, c])

@@ -332,6 +332,7 @@ def smooth_rows(values: Array, sigma: float, first: int, end: int) -> Array:
     first, end = max(first, 0), min(end, len(values))
     smooth, top = np.empty((end - first, values.shape[1])), max(first - gaussian_radius(sigma), 0)
     lines = values[top : end + gaussian_radius(sigma)].astype(np.float64, copy=False)
+    lines.flags.writeable = False  # as those of an image are, else Numba would compile the loops for both
     _write_smoothed_rows(lines, half_gaussian_weights(sigma), first - top, smooth)
     return smooth
 

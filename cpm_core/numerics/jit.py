@@ -13,8 +13,9 @@ not fit, which takes three seconds. Assign the elements one by one.
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
-from functools import update_wrapper
+from functools import cache, cached_property, update_wrapper
 from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -27,28 +28,53 @@ _NUMBA_OPTIONS: dict[str, Any] = {
 """Options of every kernel."""
 
 
+@cache
+def _numba() -> Any:
+    """Import Numba, and pause the garbage collector while it compiles, which would search all of Numba many times."""
+    import numba  # takes a third of the time of all imports
+    from numba.core import event
+
+    was_enabled: list[bool] = []
+
+    class Pause(event.Listener):  # type: ignore[misc] # Numba has no types
+        def on_start(self, event: Any) -> None:
+            was_enabled.append(gc.isenabled())
+            gc.disable()
+
+        def on_end(self, event: Any) -> None:
+            if was_enabled.pop():  # not within the compilation of a kernel that calls this one
+                gc.enable()
+
+    event.register("numba:compile", Pause())
+    return numba
+
+
 class _LazyKernel:
-    """Function that imports Numba and compiles itself on its first use; Numba accepts it as its own."""
+    """Function that imports Numba and compiles itself on its first use; Numba accepts it as its own.
+
+    What Python calls is kept in the cache. What kernels call becomes a part of them: it needs neither a place there nor
+    the code that takes arguments from Python, which is as long as a short kernel.
+    """
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         update_wrapper(self, function)
-        self._options, self._compiled = options, None
+        self._options = options | _NUMBA_OPTIONS
 
-    def _compile(self) -> Any:
-        """Compile the function and keep the result."""
-        import numba  # takes a third of the time of all imports
+    @cached_property
+    def _called(self) -> Any:
+        return _numba().njit(cache=True, **self._options)(self.__wrapped__)
 
-        made = numba.njit(cache=True, **self._options, **_NUMBA_OPTIONS)(self.__wrapped__)
-        self._compiled = self._compiled or made  # of two threads the first one decides
-        return self._compiled
+    @cached_property
+    def _part(self) -> Any:
+        return _numba().njit(no_cpython_wrapper=True, **self._options)(self.__wrapped__)
 
     def __call__(self, *arguments: Any) -> Any:
-        return (self._compiled or self._compile())(*arguments)
+        return self._called(*arguments)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        return getattr(self._compiled or self._compile(), name)
+        return getattr(self._part if name == "_numba_type_" else self._called, name)
 
 
 def _make_decorator(**options: Any) -> Callable[[Function], Function]:

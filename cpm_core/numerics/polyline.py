@@ -89,6 +89,17 @@ def resample_path(path: Array, spacing: float) -> Array:
     return out
 
 
+def project_point(path: Array, place: Position) -> tuple[float, float]:
+    """Return the length along a path, shape (K, D), up to its point nearest to a place, and their distance [px]."""
+    way = np.diff(path, axis=0)
+    squared = (way**2).sum(axis=1)
+    share = np.clip(((place - path[:-1]) * way).sum(axis=1) / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0)
+    away = np.linalg.norm(path[:-1] + share[:, None] * way - place, axis=1)
+    nearest = int(away.argmin())
+    along = lengths_along(path)[nearest] + share[nearest] * np.sqrt(squared[nearest])
+    return float(along), float(away[nearest])
+
+
 def distance_to_path(path: Array | Sequence[Position], position: Position) -> float:
     """Return the distance of a position (row, col) from a path, shape (K, 2), of at least one corner [px]."""
     return float(distances_to_path(path, np.array([position], float))[0])

@@ -1,69 +1,46 @@
-"""All objects of an image: parts between contours that the network finds likely, or all that are similar to some."""
+"""All objects of an image: of the regions that contours bound, and what the network makes of them, the likeliest.
+
+Each region that may be an object, and what the network changes it to, is a candidate with a probability. The likeliest
+one is an object; then the likeliest of those that do not overlap with it, and so on. What an unambiguous contour
+encloses without a neck competes as if it were at least as likely as not.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
-from functools import cached_property
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import scipy
-import skimage
 
-from cpm_core.numerics.grids import Window, bounding_window, running_maximum
-from cpm_core.numerics.types import Array, Callback, Extent, Index, Mask, record
-from cpm_core.objects.boundaries.crossings import find_crossings
-from cpm_core.objects.boundaries.necks import split_at_necks
-from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
-from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
-from cpm_core.objects.partition import Candidate, Partition
+from cpm_core.numerics.grids import bounding_window, expand_window
+from cpm_core.numerics.types import Array, Callback, Mask
+from cpm_core.objects.candidate_regions import BoundedRegion, CandidateRegions
+from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures, estimate_region_confidence
+from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
+from cpm_core.objects.partition import Partition
 from cpm_core.objects.prior.object_predictor import Prediction
+from cpm_core.objects.region_evidence import ObjectCandidate, RegionEvidence, find_largest_component
 from cpm_core.objects.selection import Selection
 
-_SIZE_RANGE = (0.2, 4.0)
-"""Smallest and largest area of a similar object, as fractions of the selected one's area."""
+_MIN_CONFIDENCE = 0.05
+"""Least probability that an object is correct."""
 
-_MIN_TRUNCATED_SIZE = 0.05
-"""Least area of a similar object cut by the image border, as a fraction of the selected one's area."""
+_UNAMBIGUOUS_RANK = 0.5
+"""Least probability with which a region that an unambiguous contour encloses competes with others."""
 
-_MIN_RELATIVE_STRENGTH = 0.3
-"""Least boundary strength of similar objects, as a fraction of the selected one's."""
+_MIN_CERTAIN_CONFIDENCE = 0.3
+"""Least probability with which a region may lie between objects whose edges rise the other way."""
 
-_MIN_GAP_DEPTH = 0.75
-"""How much deeper parts are than the gap between them [px]."""
+_NEXT_DISTANCE = 3
+"""Distance up to which two regions lie next to each other [px]."""
 
-_MIN_PART_DEPTH = 1.5
-"""Least depth of a part [px]."""
-
-_MIN_PROPOSAL_AREA = 30
-"""Least area of a part or an object [px²]."""
-
-_MAX_PART_SHARE = 0.4
-"""Largest share of the image that a part covers."""
-
-_MIN_CONTOUR_SHARE = 0.6
-"""Least share of the boundary of a part that runs along contours."""
-
-_MIN_VISIBLE_CONTOUR_SHARE = 0.3
-"""Least such share for a part that is not seen as a whole."""
-
-_MIN_OWNED_SHARE = 0.5
-"""Least share of its boundary that a part owns: the neighbor there is less likely an object."""
-
-_MIN_CONFIDENCE = 0.1
-"""Least probability that a proposed object is correct."""
-
-_DEPTH_BLUR_REACH = 4.0
-"""Distance up to which other pixels influence the smoothed distance of a pixel from the contours [px]."""
-
-_CONTEXT_LENGTHS = 0.75
-"""Distance from the middle of an object up to which the network sees its surroundings, in object lengths."""
-
-_CONTEXT_MARGIN = 16
-"""Addition to that distance [px]."""
+_MIN_NESTED_CONFIDENCE = 0.5
+"""Least such probability of an object in another one."""
 
 _MAX_OVERLAP = 0.3
-"""Share of an object above which it is a duplicate, unless one of the two is nested in the other."""
+"""Share of the smaller one of two candidates above which they are not both objects, unless one is nested."""
 
 _MIN_NESTED_SHARE = 0.95
 """Least share of the smaller object that lies in the larger one if it is nested."""
@@ -75,256 +52,138 @@ _MAX_SHARED_RIM = 0.3
 """Largest share of the boundary of a nested object that runs along the boundary of the larger one."""
 
 
-def find_similar_objects(partition: Partition, chosen: Selection) -> Iterator[Selection]:
-    """Find the objects similar to a selected one, from the top left to the bottom right.
+class FoundObject(NamedTuple):
+    """An object found everywhere: pixels, prediction of the network for them, and probability that it is one."""
 
-    Their gray level differs from the surroundings of the selected object in the same direction, and their size and the
-    strength of their boundary are similar. Where two bodies touch, they are split at the neck between them. Objects
-    that the border of the image cuts are closed along it, and may be smaller.
-    """
-    area = float(np.count_nonzero(chosen.mask))
-    if not area:
-        return
-    parts = split_at_necks(
-        find_similar_pixels(partition.values, chosen.mask, partition.interest), float(np.sqrt(area / np.pi))
-    )
-    parts[chosen.mask] = 0
-    limit, strength = np.array(partition.shape) - 1, _measure_boundary_strength(chosen)
-    boxes = enumerate(scipy.ndimage.find_objects(parts), start=1)
-    for number, box in ((number, box) for number, box in boxes if box):
-        body = parts[box] == number
-        cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
-        if (_MIN_TRUNCATED_SIZE if cut else _SIZE_RANGE[0]) * area <= np.count_nonzero(body) <= _SIZE_RANGE[1] * area:
-            mask = np.zeros(partition.shape, bool)
-            mask[box] = _find_largest_component(body)
-            other = _build_proposal(partition, mask)
-            if _measure_boundary_strength(other) >= _MIN_RELATIVE_STRENGTH * strength:
-                yield other
+    region: BoundedRegion
+    prediction: Prediction
+    confidence: float
 
 
 def find_objects_everywhere(partition: Partition, check: Callback = lambda: None) -> Iterator[Selection]:
-    """Find all objects of an image: unambiguous ones, and parts between contours that are likely objects.
+    """Find all objects of an image, the likeliest first.
 
-    Parts meet where the gaps between contours are narrowest. Of two parts with a common stretch of boundary, the one
-    that is more likely an object owns it; a part that owns little of its boundary is background of the others. `check`
-    is called between the parts, and may raise to end the search.
+    `check` is called between the evaluations of regions, and may raise to end the search. Without the network, the
+    objects are those that unambiguous contours enclose.
     """
-    for mask, features, unambiguous in find_object_candidates(ImageParts.from_partition(partition), check):
-        yield _build_proposal(partition, mask, features, unambiguous=unambiguous)
+    if not partition.uses_network:
+        for mask in partition.find_unambiguous_objects():
+            yield build_proposal(partition, mask, ConfidenceFeatures(point_count=0), unambiguous=True)
+        return
+    for found in find_image_objects(ImageParts.from_partition(partition), check):
+        features = ConfidenceFeatures(*found.prediction[2:], point_count=0)
+        mask = found.region.paste(partition.shape)
+        one = build_proposal(partition, mask, features, unambiguous=found.region.unambiguous)
+        yield replace(one, confidence=found.confidence)
 
 
-@record
-class ImageParts:
-    """Parts of an image between contours.
+def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> list[FoundObject]:
+    """Find the objects of `find_objects_everywhere`, without their outlines."""
+    evidence = RegionEvidence(parts.partition)
+    candidates = list(predict_candidates(parts, evidence, check))
+    features = evidence.measure_candidates(candidates)
+    rated = map(RatedCandidate, candidates, features, map(estimate_region_confidence, features))
+    return choose_objects(rated, parts.partition.values)
 
-    Attributes
-    ----------
-    partition : Partition
-        The image with the contours.
-    labels : ndarray of int64, shape (H, W)
-        Numbers of the parts, from 1; a single part where the network is not used.
-    areas : ndarray of int64, shape (N + 1,)
-        Area of each [px²].
-    contour_fraction : ndarray, shape (N + 1,)
-        Share of its boundary that runs along contours.
-    link_part, link_neighbor : ndarray of int64, shape (L,)
-        The two parts at each link between pixels of different parts, in both directions.
-    may_change : ndarray of bool, shape (N + 1,)
-        Which parts may look different in the larger image around this one; see `ParentImage`.
-    """
 
-    partition: Partition
-    labels: Index
-    areas: Index
-    contour_fraction: Array
-    link_part: Index
-    link_neighbor: Index
-    may_change: Mask
+def predict_candidates(
+    parts: ImageParts, evidence: RegionEvidence, check: Callback = lambda: None
+) -> Iterator[ObjectCandidate]:
+    """Predict the candidates for the objects of an image."""
+    found = CandidateRegions.from_parts(parts)
+    for region in found.regions:
+        check()
+        for one in evidence.predict_candidates(region):
+            if one.region.area >= MIN_OBJECT_AREA and found.may_be_object(one.region):
+                yield one
 
-    @classmethod
-    def from_partition(cls, partition: Partition) -> ImageParts:
-        """Divide an image into the parts between its contours."""
-        shape, none = partition.shape, np.zeros(0, np.int64)
-        if not partition.uses_network or not partition.contours:
-            labels, count = np.ones(shape, np.int64), np.array([0, math.prod(shape)])
-            return cls(partition, labels, count, np.zeros(2), none, none, np.zeros(2, bool))
-        lines = find_crossings([contour.path for contour in partition.contours], shape).pixels
-        depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(~lines), 1.0)
-        tops = skimage.morphology.h_maxima(depth, _MIN_GAP_DEPTH)  # type: ignore[no-untyped-call]
-        markers, _ = scipy.ndimage.label((tops > 0) & (depth > _MIN_PART_DEPTH), np.ones((3, 3)))
-        labels = np.asarray(skimage.segmentation.watershed(-depth, markers), np.int64)  # type: ignore[no-untyped-call]
-        near, sides, along = running_maximum(lines, 1), [], []
-        for here, there in (np.s_[1:, :], np.s_[:-1, :]), (np.s_[:, 1:], np.s_[:, :-1]):
-            links = np.nonzero(labels[here] != labels[there])
-            sides.append(np.stack([labels[here][links], labels[there][links]]))
-            along.append(near[there][links])
-        one, other = np.concatenate(sides, axis=1)
-        one, other, on = np.concatenate([one, other]), np.concatenate([other, one]), np.tile(np.concatenate(along), 2)
-        pixels = np.bincount(labels.ravel())
-        ends = np.array(_find_inner_borders(partition))
-        rim = [np.moveaxis(labels, axis, 0)[end] for axis, end in ((0, 0), (0, -1), (1, 0), (1, -1))]
-        borders = [line for line, inner in zip(rim, ends.T.ravel(), strict=True) if not inner]
-        around = np.bincount(np.concatenate([one, *borders]), minlength=len(pixels))
-        bounded = np.bincount(one[on], minlength=len(pixels)) / np.maximum(around, 1)
-        cut = np.zeros(len(pixels), bool)
-        cut[labels[depth + _DEPTH_BLUR_REACH > _measure_border_distance(shape, ends)]] = True
-        return cls(partition, labels, pixels, bounded, one, other, cut)
 
-    @cached_property
-    def _may_be_object(self) -> Mask:
-        """Which parts may be objects, shape (N + 1,)."""
-        parent = self.partition.parent
-        most = _MAX_PART_SHARE * math.prod(self.partition.shape if parent is None else parent.shape)
-        bounded = self.contour_fraction >= np.where(self.may_change, _MIN_VISIBLE_CONTOUR_SHARE, _MIN_CONTOUR_SHARE)
-        wanted = (self.areas >= _MIN_PROPOSAL_AREA) & (self.areas <= most) & bounded
-        wanted[0] = False
-        return np.asarray(wanted)
+class RatedCandidate(NamedTuple):
+    """A candidate, what was measured of it, and the probability that it is an object."""
 
-    @cached_property
-    def _boxes(self) -> list[Window]:
-        return scipy.ndimage.find_objects(self.labels)
+    candidate: ObjectCandidate
+    features: RegionFeatures
+    confidence: float
 
-    def is_settled(self, core: Window) -> bool:
-        """Return whether the objects that touch the pixels of a window would be the same in a larger image."""
-        touching = np.unique(self.labels[core])
-        near = np.union1d(touching, self.link_neighbor[np.isin(self.link_part, touching)])
-        near = near[self._may_be_object[near]]
-        inner, shape = np.array(_find_inner_borders(self.partition)), np.array(self.partition.shape)
-        for box in (self._boxes[number - 1] for number in near.tolist()):
-            low, high = np.array([[side.start, side.stop] for side in box]).T
-            reach = _CONTEXT_LENGTHS * (high - low).max() + _CONTEXT_MARGIN
-            seen = 0.5 * (low + high) + np.array([[-reach], [reach]])
-            if (inner & [seen[0] < 0, seen[1] > shape]).any():
-                return False
-        return not self.may_change[near].any()
+    @property
+    def rank(self) -> float:
+        """Probability with which it competes with others."""
+        unambiguous = self.features.unambiguous and not self.features.has_neck
+        return max(self.confidence, _UNAMBIGUOUS_RANK) if unambiguous else self.confidence
 
-    def evaluate_parts(self, taken: Mask, check: Callback) -> dict[int, Prediction]:
-        """Evaluate the parts that may be objects by the network: number -> prediction.
 
-        `taken`, shape (H, W), are pixels of objects already found; parts that mostly lie in them are left out.
-        """
+def choose_objects(rated: Iterable[RatedCandidate], values: Array) -> list[FoundObject]:
+    """Choose objects among the candidates of an image, shape (H, W); the likeliest come first."""
+    chosen: list[FoundObject] = []
+    for one in sorted(rated, key=lambda one: -one.rank):
+        region = _fit_between(one.candidate.region, chosen, one.rank, values) if one.rank >= _MIN_CONFIDENCE else None
+        if region is not None:
+            chosen.append(FoundObject(region, one.candidate.prediction, one.confidence))
+    return sorted(chosen, key=lambda found: -found.confidence)
 
-        def evaluate_part(number: int) -> Prediction | None:
-            check()
-            box = self._boxes[number - 1]
-            within = self.labels[box] == number
-            if np.count_nonzero(within & taken[box]) > _MAX_OVERLAP * self.areas[number]:
+
+def _fit_between(
+    region: BoundedRegion, chosen: list[FoundObject], confidence: float, values: Array
+) -> BoundedRegion | None:
+    """Fit a region between the objects chosen before, without the pixels of others; None where it is no object."""
+    if confidence < _MIN_CERTAIN_CONFIDENCE and _is_background(region, chosen, values):
+        return None
+    mask = region.mask.copy()
+    for other in (found.region for found in chosen):
+        both = region.measure_overlap(other)
+        if both > _MAX_OVERLAP * min(region.area, other.area):
+            nested = confidence >= _MIN_NESTED_CONFIDENCE and _is_nested(region, other)
+            if not nested or region.is_brighter_outside(values) != other.is_brighter_outside(values):
                 return None
-            mask = np.zeros(self.labels.shape, bool)
-            mask[box] = within
-            return self.partition.evaluate_mask(mask)
-
-        answers = (
-            (number, evaluate_part(number))
-            for number in np.flatnonzero(self._may_be_object & ~self.may_change).tolist()
-        )
-        return {number: one for number, one in answers if one is not None}
-
-    def measure_boundary_ownership(self, predictions: Mapping[int, Prediction]) -> Array:
-        """Measure the share of its boundary that each part owns, shape (N + 1,), the image border left out.
-
-        `predictions` are by part number; of two parts, the one of higher predicted overlap owns the boundary.
-        """
-        worth = np.zeros(len(self.areas))
-        worth[list(predictions)] = [one.predicted_iou for one in predictions.values()]
-        around = np.bincount(self.link_part, minlength=len(worth))
-        won = np.bincount(self.link_part[worth[self.link_part] > worth[self.link_neighbor]], minlength=len(worth))
-        return won / np.maximum(around, 1)
+        elif both:
+            whole = [
+                slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(region.box, other.box, strict=True)
+            ]
+            there = other.cut_out(tuple(whole))
+            mask &= ~there[
+                tuple(slice(a.start - w.start, a.stop - w.start) for a, w in zip(region.box, whole, strict=True))
+            ]
+    if np.count_nonzero(mask) < MIN_OBJECT_AREA:
+        return None
+    corner = tuple(side.start for side in region.box)
+    rest = (
+        region
+        if mask.all()
+        else BoundedRegion.from_mask(find_largest_component(mask), corner, unambiguous=region.unambiguous)
+    )
+    return rest if rest.area >= MIN_OBJECT_AREA else None
 
 
-def _find_inner_borders(partition: Partition) -> list[tuple[bool, ...]]:
-    """Return whether the first rows and columns of an image, and the last, lie inside a larger one, shape (2, 2)."""
-    parent = partition.parent
-    if parent is None:
-        return [(False, False), (False, False)]
-    sides = list(zip(parent.corner, partition.shape, parent.shape, strict=True))
-    return [tuple(first > 0 for first, _, _ in sides), tuple(first + n < whole for first, n, whole in sides)]
+def _is_background(region: BoundedRegion, chosen: list[FoundObject], values: Array) -> bool:
+    """Return whether a region lies between objects whose edges all rise the other way, in an image of shape (H, W)."""
+    window = expand_window(region.box, _NEXT_DISTANCE, values.shape)
+    near = BoundedRegion(window, scipy.ndimage.binary_dilation(region.cut_out(window), iterations=_NEXT_DISTANCE))
+    touched = [found.region for found in chosen if near.measure_overlap(found.region)]
+    rises = region.is_brighter_outside(values) if len(touched) > 1 else False
+    return len(touched) > 1 and all(other.is_brighter_outside(values) != rises for other in touched)
 
 
-def _measure_border_distance(shape: Extent, inner: Mask) -> Array:
-    """Measure the distance of each pixel from the ends that lie within a larger image, shape (H, W) [px]."""
-    lines = []
-    for axis, n in enumerate(shape):
-        away = np.full(n, np.inf)
-        for at, each in zip((np.arange(n), np.arange(n)[::-1]), inner[:, axis].tolist(), strict=True):
-            away = np.minimum(away, at) if each else away
-        lines.append(away)
-    return np.minimum.outer(*lines)
-
-
-def find_object_candidates(parts: ImageParts, check: Callback = lambda: None) -> Iterator[Candidate]:
-    """Find the pixels of the objects of `find_objects_everywhere`, without their outlines."""
-    partition = parts.partition
-    known: list[tuple[Window, Mask]] = []
-    taken = np.zeros(partition.shape, bool)
-    for mask in partition.find_unambiguous_objects():
-        box = bounding_window(mask)
-        known.append((box, mask[box]))
-        taken[box] |= scipy.ndimage.binary_fill_holes(mask[box])
-        yield Candidate(mask, unambiguous=True)
-    predictions = parts.evaluate_parts(taken, check)
-    owned = parts.measure_boundary_ownership(predictions)
-    for number, likely in sorted(predictions.items(), key=lambda item: -item[1].predicted_iou):
-        mask = likely.mask & partition.interest
-        pixels = np.count_nonzero(mask)
-        features = ConfidenceFeatures(*likely[2:], point_count=0)
-        if (
-            estimate_confidence(features) < _MIN_CONFIDENCE
-            or owned[number] < _MIN_OWNED_SHARE
-            or pixels < _MIN_PROPOSAL_AREA
-        ):
-            continue
-        over = np.count_nonzero(mask & taken) / pixels
-        if over <= _MAX_OVERLAP:
-            mask = _find_largest_component(mask & ~taken)
-        elif not all(_is_disjoint_or_nested(mask, *other) for other in known):
-            continue
-        box = bounding_window(mask)
-        known.append((box, mask[box]))
-        taken |= mask
-        yield Candidate(mask, features)
-
-
-def _is_disjoint_or_nested(mask: Mask, box: Window, there: Mask) -> bool:
-    """Return whether an object, shape (H, W), and another in a box are disjoint, or one lies deep in the other."""
-    both = np.count_nonzero(mask[box] & there)
-    if not both:
-        return True
-    other = np.zeros_like(mask)
-    other[box] = there
-    small, large = (mask, other) if np.count_nonzero(mask) < np.count_nonzero(there) else (other, mask)
-    if both < _MIN_NESTED_SHARE * np.count_nonzero(small) or both > _MAX_NESTED_AREA * np.count_nonzero(large):
+def _is_nested(one: BoundedRegion, two: BoundedRegion) -> bool:
+    """Return whether one of two regions that overlap lies deep in the other."""
+    both = one.measure_overlap(two)
+    small, large = (one, two) if one.area < two.area else (two, one)
+    if both < _MIN_NESTED_SHARE * small.area or both > _MAX_NESTED_AREA * large.area:
         return False
-    rim = small & ~scipy.ndimage.binary_erosion(small)
-    return bool((~scipy.ndimage.binary_erosion(large, iterations=3))[rim].mean() <= _MAX_SHARED_RIM)
+    window = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(one.box, two.box, strict=True))
+    inner, outer = small.cut_out(window), large.cut_out(window)
+    rim = inner & ~scipy.ndimage.binary_erosion(inner)
+    return bool((~scipy.ndimage.binary_erosion(outer, iterations=3))[rim].mean() <= _MAX_SHARED_RIM)
 
 
-def _build_proposal(
+def build_proposal(
     partition: Partition, mask: Mask, features: ConfidenceFeatures | None = None, *, unambiguous: bool = False
 ) -> Selection:
     """Build the selection of some pixels, shape (H, W), with the deepest of them as its positive point."""
     box = bounding_window(mask)
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
-    if features is None:
-        features = (
-            ConfidenceFeatures(*partition.evaluate_mask(mask, place)[2:], point_count=0)
-            if partition.uses_network
-            else ConfidenceFeatures(point_count=0)
-        )
+    if features is None and not partition.uses_network:
+        features = ConfidenceFeatures(point_count=0)
+    elif features is None:
+        features = ConfidenceFeatures(*partition.evaluate_mask(mask, place)[2:], point_count=0)
     return partition.build_selection(mask, place, features=features, unambiguous=unambiguous)
-
-
-def _find_largest_component(mask: Mask) -> Mask:
-    """Find the largest connected part of a mask."""
-    parts, _ = scipy.ndimage.label(mask)
-    sizes = np.bincount(parts.ravel())
-    sizes[0] = 0
-    return parts == sizes.argmax()
-
-
-def _measure_boundary_strength(selection: Selection) -> float:
-    """Measure the mean edge strength along the boundary [gray levels / px]."""
-    lengths = np.array([contour.length for contour in selection.contours])
-    strengths = np.array([contour.strength for contour in selection.contours])
-    return float(lengths @ strengths / lengths.sum()) if len(lengths) else 0.0

@@ -1,7 +1,9 @@
 """Confidence: the probability that an object is the intended one, estimated from a few features.
 
-The estimate is a logistic regression. `tests/benchmarks/prior/sure.py` learns its weights from objects that are used
-for nothing else, neither training nor measurements, and writes them with their origin to `confidence.json`.
+The estimate is a logistic regression, with weights of their own for objects that a prompt selects and for those that
+are found everywhere. `tests/benchmarks/prior/sure.py` and `tests/benchmarks/prior/found.py` learn them from objects
+that are used for nothing else, neither training nor measurements, and write them with their origin to
+`confidence.json` and `confidence_everywhere.json`.
 """
 
 from __future__ import annotations
@@ -21,6 +23,15 @@ CORRECT_IOU = 0.8
 
 _MAX_CONFIDENCE = 0.98
 """Largest probability, and largest overlap that a feature counts."""
+
+_LARGE_AREA = 1100.0
+"""Area above which a larger one makes no difference [px²]."""
+
+_FAINT = 0.005
+"""Strength and variation below which a smaller one makes little difference."""
+
+_MAX_INSIDE = 3.0
+"""Strength of the inside above which a larger one makes no difference."""
 
 
 class ConfidenceFeatures(NamedTuple):
@@ -44,6 +55,48 @@ class ConfidenceFeatures(NamedTuple):
     unambiguous: bool = False
 
 
+class RegionFeatures(NamedTuple):
+    """Features of a region found everywhere that the probability of its being an object is estimated from.
+
+    Attributes
+    ----------
+    predicted_iou, mean_certainty, iou_to_previous : float
+        Features of the prediction of the network with the region as the previous mask; see `prior.Prediction`.
+    rivalry : float
+        By how much the overlap that the network predicts is larger for other regions with the same pixels, on average.
+    area : float
+        Its area [px²].
+    solidity : float
+        Its area with its holes, in areas of its convex hull.
+    border_share : float
+        Share of its boundary that is the border of the image.
+    strength : float
+        Mean edge strength along the boundary, in differences between white and black [1 / px].
+    weakest, inside : float
+        Edge strength where the boundary is weakest, and where the inside is strongest, in medians along the boundary.
+    variation : float
+        Standard deviation of the gray levels inside, in differences between white and black.
+    unambiguous : bool
+        Whether an unambiguous contour encloses it.
+    has_neck : bool
+        Whether it has bodies on both sides of a neck.
+    """
+
+    predicted_iou: float
+    mean_certainty: float
+    iou_to_previous: float
+    rivalry: float
+    area: float
+    solidity: float
+    border_share: float
+    strength: float
+    weakest: float
+    inside: float
+    variation: float
+    unambiguous: bool
+    has_neck: bool
+
+
 def encode_features(signs: ConfidenceFeatures) -> Array:
     """Encode the features as inputs of the logistic regression, shape (7,)."""
     shares = scipy.special.logit(np.clip(signs[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
@@ -52,12 +105,38 @@ def encode_features(signs: ConfidenceFeatures) -> Array:
 
 def estimate_confidence(signs: ConfidenceFeatures) -> float:
     """Estimate the probability that an object is correct, by the logistic rule of this module."""
-    *weights, offset = _load_weights()
+    *weights, offset = _load_weights("confidence.json")
     return min(float(scipy.special.expit(np.array(weights) @ encode_features(signs) + offset)), _MAX_CONFIDENCE)
 
 
+def encode_region(signs: RegionFeatures) -> Array:
+    """Encode the features of a region as inputs of the logistic regression, shape (13,)."""
+    shares = scipy.special.logit(np.clip(signs[:3], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
+    rest = signs.solidity, signs.border_share, np.log(signs.strength + _FAINT), signs.weakest
+    size = np.log(min(signs.area, _LARGE_AREA))
+    inner = min(signs.inside, _MAX_INSIDE)
+    return np.array(
+        [
+            *shares,
+            signs.rivalry,
+            size,
+            *rest,
+            inner,
+            np.log(signs.variation + _FAINT),
+            signs.unambiguous,
+            signs.has_neck,
+        ]
+    ).astype(float)
+
+
+def estimate_region_confidence(signs: RegionFeatures) -> float:
+    """Estimate the probability that a region found everywhere is an object."""
+    *weights, offset = _load_weights("confidence_everywhere.json")
+    return min(float(scipy.special.expit(np.array(weights) @ encode_region(signs) + offset)), _MAX_CONFIDENCE)
+
+
 @cache
-def _load_weights() -> tuple[float, ...]:
-    """Load the weights of the rule, and last its offset."""
-    stored = json.loads(files("cpm_core.objects").joinpath("confidence.json").read_text("utf-8"))
+def _load_weights(name: str) -> tuple[float, ...]:
+    """Load the weights of a rule, and last its offset, from a file of this folder."""
+    stored = json.loads(files("cpm_core.objects").joinpath(name).read_text("utf-8"))
     return tuple(stored["numbers"])

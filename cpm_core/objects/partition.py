@@ -28,7 +28,7 @@ from cpm_core.image.volume_regions import plane_regions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.real_numbers import as_positions
-from cpm_core.numerics.types import Array, Extent, Index, Mask, frozen, record
+from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, frozen, record
 from cpm_core.objects.boundaries.boundary_guides import BoundaryGuides, build_boundary_guides
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import find_crossings
@@ -162,6 +162,8 @@ class Partition(drawing.Pictured):
         Whether the network answers where no contour is unambiguous.
     parent : ParentImage or None
         The larger image that contains this one.
+    links : tuple of ndarray, each of shape (K, 2)
+        Pieces that are no contours but separate what contours enclose; see `Result.links`.
 
     Examples
     --------
@@ -193,12 +195,17 @@ class Partition(drawing.Pictured):
     channel: str = "luminance"
     uses_network: bool = True
     parent: ParentImage | None = None
+    links: Arrays = ()
 
     @classmethod
     def from_result(cls, result: FoundInImage) -> Partition:
         """Make the partition of the image and the contours of a result; ValueError when it does not know its image."""
         return cls(
-            as_plane(require_image(result)), tuple(result.contours), plane_regions(result.regions), result.channel
+            as_plane(require_image(result)),
+            tuple(result.contours),
+            plane_regions(result.regions),
+            result.channel,
+            links=result.links,
         )
 
     @property

@@ -26,7 +26,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
-from cpm_core.numerics.types import Array, Extent, Index, Mask, record
+from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -62,6 +62,10 @@ class FoundInImage(Protocol):
     @property
     def contours(self) -> tuple[Contour, ...]:
         """The contours."""
+
+    @property
+    def links(self) -> Arrays:
+        """Pieces between contours that are too short to be contours."""
 
     @property
     def surface(self) -> Surface | None:

@@ -95,11 +95,11 @@ class ObjectFollower:
         Returns
         -------
         tuple of FollowedObject
-            What has been found, by number; nothing on a page of another size.
+            What has been found, by number; nothing on a page of another size, or without objects before it.
         tuple of TrackEvent
             Which objects split, merge, end or leave the image.
         """
-        if self._values.shape != page.shape:
+        if self._values.shape != page.shape or not self._before:
             return (), ()
         sought = []
         for each, one in self._before.items():

@@ -3,8 +3,5 @@
 from cpm_core.results.objects_result import boundaries_result as boundaries_result
 from cpm_core.results.objects_result import objects_result
 from cpm_core.results.result import Result
-from cpm_core.results.review import apply_edits_to_result as apply_edits_to_result
-from cpm_core.results.review import apply_marks as apply_marks
-from cpm_core.results.review import restore_kept_contours as restore_kept_contours
 
 __all__ = ["Result", "objects_result"]

@@ -10,20 +10,17 @@ from typing import Any, cast
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image import drawing
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.state import State
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.results.result import Result
-from cpm_core.results.review import apply_edits_to_result
 from cpm_core.segmentation.method import RUN_METHODS, Method
 
 SEEDED_METHODS = {name: method for name, method in RUN_METHODS.items() if method.seeded}
@@ -343,16 +340,3 @@ def segment(
         if progress is not None:
             progress(moment.state)
     return run.result
-
-
-def with_hand_edits(
-    result: Result, values: ArrayLike | Image, parameters: Parameters, edits: Sequence[HandEdit]
-) -> Result:
-    """Return the result of a run with hand edits of its contours, such as those of a session.
-
-    `values` is the image, shape (H, W), `parameters` those of the run. The pieces of edits whose contours are not there
-    become contours of their own.
-    """
-    if not edits:
-        return result
-    return apply_edits_to_result(result, edits, ImageFields(values, parameters).scale_field(parameters))[0]

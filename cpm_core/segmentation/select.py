@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics.real_numbers import as_positions
-from cpm_core.objects.all_objects import find_objects_everywhere, find_similar_objects
+from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.similar_objects import find_similar_objects
 from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import Parameters
 from cpm_core.results.result import Result
@@ -110,7 +111,7 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
         Image.
     like : sequence of Selection
         Some of them. Without any, particles find the contours of the whole image, unless it is a partition, and the
-        network evaluates the parts between them: likely and unambiguous objects are selected.
+        network evaluates what they bound, alone, together or with gaps: the likely objects are selected.
 
     Returns
     -------

@@ -6,12 +6,14 @@ import gc
 import itertools
 import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
+from cpm_app.session.exchange.messages import Reconstruction
 from cpm_app.session.features import comparison, selector, stack_pages, timeline_navigation
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.session import Session
@@ -24,6 +26,8 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QApplication, QDialog
 from pytestqt.qtbot import QtBot
 
+from cpm_core.contours.contour import Contour
+from cpm_core.results import boundaries_result
 from cpm_core.shapes import Circle
 from tests.app.views.window.windows import (
     KEPT,
@@ -65,6 +69,15 @@ def wait_until(qtbot: QtBot, condition: Callable[[], bool], patience: int = PATI
             return
         qtbot.wait(1)
     pytest.fail(f"this has not happened in {patience} turns")
+
+
+def show_contours(window: MainWindow, *contours: Contour) -> None:
+    """Show contours as a run would have found them."""
+    session, image = window.session, window.session.image
+    assert image is not None
+    result = boundaries_result(contours, [], image.shape, image.spacing, image.unit, "")
+    found = Reconstruction(session.store.generation, result)
+    session.store.set_scene(replace(session.scene, reconstruction=found))
 
 
 class Hand:

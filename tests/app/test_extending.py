@@ -234,9 +234,9 @@ def test_a_method_is_a_class_that_the_window_runs_without_knowing_it(opened, han
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: window.session.idle)
-    (item,) = window.workspace.review.items
-    assert item.contour.closed
-    np.testing.assert_allclose(np.hypot(*(item.contour.points - 32.0).T), 18.0, atol=0.8)
+    (contour,) = window.session.scene.contours
+    assert contour.closed
+    np.testing.assert_allclose(np.hypot(*(contour.points - 32.0).T), 18.0, atol=0.8)
 
 
 # A parameter: a field and a row of the core, and words for the window; everything else follows.

@@ -45,11 +45,11 @@ def test_the_proposal_is_drawn_in_its_color_and_its_contour_and_the_image_in_gra
     def color(row: float, col: float) -> QColor:
         return picture.pixelColor(canvas.map_from_image((row, col)).toPoint() * canvas.devicePixelRatioF())
 
-    (found,) = window.workspace.review.items
+    (found,) = window.session.scene.contours
     shares = []
     for _ in range(2):
         picture = canvas.grab().toImage()
-        drawn = [color(row, col) for row, col in found.contour.points[::10]]
+        drawn = [color(row, col) for row, col in found.points[::10]]
         shares.append(np.mean([seen.saturation() > 60 for seen in drawn]))
         qtbot.keyClick(canvas, Qt.Key.Key_X)
         qtbot.waitUntil(lambda: not selection.proposals, timeout=PATIENCE)

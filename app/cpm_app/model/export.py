@@ -10,7 +10,6 @@ from typing import Literal
 
 import numpy as np
 
-from cpm_app.model.document.contours import apply_document_review
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import build_objects_result
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
@@ -28,12 +27,13 @@ from cpm_core.formats import (
 from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import frozen
+from cpm_core.results.result import keep_contours
 
 ExportKind = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
 
 EXPORT_TITLES = {
     "objects": (tr("Objects"), tr("Export objects")),
-    "contours": (tr("Contours except rejected"), tr("Export contours")),
+    "contours": (tr("Contours"), tr("Export contours")),
     "skeleton": (tr("Skeleton"), tr("Export skeleton")),
     "surface": (tr("Surface"), tr("Export surface")),
     "lines": (tr("Center lines"), tr("Export center lines")),
@@ -145,7 +145,7 @@ class ExportOrder:
     files : tuple of ExportFile
         The files.
     objects, contours : frozenset of int or None
-        Numbers of the objects and contours that are written; None for all.
+        Numbers of the objects and indices of the contours that are written; None for all.
     tolerance : float
         How far a line may move where vertices are left out [px]; 0 keeps all.
     simplify_all_formats : bool
@@ -194,13 +194,9 @@ def prepare_export(
         return result
     if kind == "objects":  # tables measure gray levels in the image, and it says where a volume lies in space
         return replace(result, image=image)
-    shown = apply_document_review(document, result)
     if order.contours is None:
-        return shown
-    contours = tuple(contour for contour in shown.contours if contour.number in order.contours)
-    vertices = {tuple(point) for contour in contours for point in contour.points.tolist()}
-    bridges = tuple(bridge for bridge in shown.bridges if tuple(bridge.points[1].tolist()) in vertices)
-    return replace(shown, contours=contours, bridges=bridges)
+        return result
+    return keep_contours(result, [index in order.contours for index in range(len(result.contours))])
 
 
 def simplify_result(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:

@@ -136,8 +136,6 @@ class RunUpdater:
             self._post(find_seeds(self._store.image_generation, after))
         if before.charges != after.charges:
             self._post(call_run(None, Run.set_charges, self._store.image_generation, after.charges, resumes))
-        if before.hand_edits != after.hand_edits:
-            self._post(call_run(None, Run.set_hand_edits, after.hand_edits))
         if not self._store.status.started:
             return
         if before.regions != after.regions:

@@ -14,63 +14,16 @@ from cpm_app.model.display.differences import Difference, SurfaceDifference
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import AnySelection, object_from_selection
-from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import Slices
-from cpm_app.session.exchange.contour_tracking import TrackedContours
 from cpm_app.session.exchange.messages import OverlayData, Reconstruction, Snapshot
 from cpm_app.session.worker.requests import ForcesProbed, ImageShaded
-from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth
-from cpm_core.contours import Mark, Measures, ReviewedContour, pair_with_marks
+from cpm_core import Image, Result, Skeleton, Truth, VolumeTruth
+from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Index
 from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import NO_SEEDS, ImageSeeds
-
-
-@record
-class ContourItem:
-    """A contour as table and canvas show it; its key stays the same through all reconstructions."""
-
-    key: int
-    reviewed: ReviewedContour
-    measures: Measures
-
-    @property
-    def contour(self) -> Contour:
-        """The contour, with name and color."""
-        return self.reviewed.contour
-
-    @property
-    def title(self) -> str:
-        """Name of the contour, or its number."""
-        return self.contour.name or tr("contour {number}", number=self.measures.number)
-
-
-@record
-class ReviewedContours:
-    """The contours of a reconstruction, longest first, with their marks.
-
-    `tracked` is the reconstruction, None while there is none. `result` also has the kept contours that are missing from
-    it, and the rejected ones.
-    """
-
-    items: tuple[ContourItem, ...] = ()
-    tracked: TrackedContours | None = None
-    result: Result | None = None
-
-    @staticmethod
-    def from_tracked(tracked: TrackedContours | None, marks: tuple[Mark, ...]) -> ReviewedContours:
-        """Attach marks to the contours that they were made on."""
-        if tracked is None:
-            return NO_CONTOURS
-        whole = tracked.with_kept_contours(marks)
-        items = zip(whole.keys, pair_with_marks(whole.result.contours, marks), whole.measures, strict=True)
-        return ReviewedContours(tuple(ContourItem(*one) for one in items), tracked, whole.result)
-
-
-NO_CONTOURS = ReviewedContours()
-"""No contours, before there is a reconstruction."""
 
 
 @record
@@ -176,7 +129,7 @@ class Scene:
     shaded : ImageShaded or None
         The image in the last requested intensity window.
     document : Document
-        Shapes, parameters and marks.
+        Shapes, parameters and objects.
     selected_shape : int or None
         Index of the selected shape.
     image_seeds : mapping of start to ndarray
@@ -185,12 +138,10 @@ class Scene:
         The particles; None while there is no run.
     reconstruction : Reconstruction or None
         Result of the run, by any method; this is what is exported.
-    contours : ReviewedContours
-        The contours with their marks.
     selected_contours : frozenset of int
-        Keys of the selected contours.
+        Indices of the selected contours.
     hovered_contour : int or None
-        Key of the contour under the pointer.
+        Index of the contour under the pointer.
     overlays : mapping of str to OverlayData
         The requested overlays by name; see `cpm_app.session.worker.prepared_methods`.
     probed : ForcesProbed or None
@@ -219,7 +170,6 @@ class Scene:
     image_seeds: ImageSeeds = field(default_factory=lambda: NO_SEEDS)
     snapshot: Snapshot | None = None
     reconstruction: Reconstruction | None = None
-    contours: ReviewedContours = NO_CONTOURS
     selected_contours: frozenset[int] = frozenset()
     hovered_contour: int | None = None
     overlays: Mapping[str, OverlayData] = field(default_factory=dict)
@@ -241,6 +191,17 @@ class Scene:
     def view_source(self) -> tuple[Image | None, int | None]:
         """The image that a view shows a part of, and the axis of the slices if it is a volume."""
         return self.full_image, self.slices.axis if self.slices is not None else None
+
+    @property
+    def result(self) -> Result | None:
+        """The contours or the surface that the run has found."""
+        found = None if self.reconstruction is None else self.reconstruction.result
+        return found if isinstance(found, Result) else None
+
+    @property
+    def contours(self) -> Contours:
+        """The contours that the run has found, longest first."""
+        return () if self.result is None else self.result.contours
 
     @property
     def skeleton(self) -> Skeleton | None:

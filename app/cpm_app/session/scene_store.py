@@ -28,7 +28,7 @@ from cpm_app.session.exchange.messages import (
     WarmedUp,
     WorkFinished,
 )
-from cpm_app.session.scene import NO_CONTOURS, ReviewedContours, Scene
+from cpm_app.session.scene import Scene
 from cpm_app.session.session_messages import (
     CONTOURS_CATEGORY,
     EDITING_CATEGORY,
@@ -141,7 +141,7 @@ class SceneStore(QObject):
         """Clear everything shown of the previous run; `method` is the name of the next run's method."""
         self._run_status = RunStatus(phase="ready", method=method)
         self._messages.set_error("", CONTOURS_CATEGORY)
-        self._update_scene(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None)
+        self._update_scene(snapshot=None, reconstruction=None, probed=None)
         self.announce_status()
 
     def poll_worker(self) -> None:
@@ -162,14 +162,13 @@ class SceneStore(QObject):
     def _on_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
         if isinstance(found, ReconstructionFailed):
             trouble = found.message
-            if self.scene.contours.items:
+            if self.scene.contours:
                 trouble = tr("{trouble} The contours that are shown are those of an earlier step.", trouble=trouble)
             self._messages.set_error(trouble, CONTOURS_CATEGORY)
             return
         self._messages.set_error("", CONTOURS_CATEGORY)
         self._run_status = replace(self._run_status, found=found.result)
-        reviewed = ReviewedContours.from_tracked(found.tracked, self.scene.document.marks)
-        self._update_scene(reconstruction=found, contours=reviewed)
+        self._update_scene(reconstruction=found)
         self.announce_status()
 
     def _update_scene(self, **parts: Any) -> None:

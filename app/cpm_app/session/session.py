@@ -22,7 +22,7 @@ from cpm_app.model.volume.slices import Slices
 from cpm_app.session.exchange.mailbox import Pacer
 from cpm_app.session.exchange.messages import CoreFunctions, ImageOpened, ImageReady, OpeningFailed
 from cpm_app.session.run_updater import RunUpdater
-from cpm_app.session.scene import ReviewedContours, Scene
+from cpm_app.session.scene import Scene
 from cpm_app.session.scene_store import SceneStore
 from cpm_app.session.session_messages import (
     EDITING_CATEGORY,
@@ -454,16 +454,12 @@ class Session(QObject):
             self.messages.clear(
                 EDITING_CATEGORY, RUNNING_CATEGORY
             )  # an edit may be the remedy for why a run did not begin
-            selected, contours, image = scene.selected_shape, scene.contours, scene.image
+            selected, image = scene.selected_shape, scene.image
             if selected is not None and selected >= len(document.shapes):
                 selected = None
-            if document.marks != before.marks:
-                contours = ReviewedContours.from_tracked(contours.tracked, document.marks)
             # a pixel size set by hand has to apply before everything else that depends on the edit
             sized = image if image is None or document.image is None else document.image.with_known_pixel_size(image)
-            self.store.scene = replace(
-                scene, image=sized, document=document, selected_shape=selected, contours=contours
-            )
+            self.store.scene = replace(scene, image=sized, document=document, selected_shape=selected)
             if sized is not None and sized is not image:
                 self.post_command(call_run(None, Run.change_pixel_size, sized, document))
             self.run_updater.update_run(before, document, complete, resumes)
@@ -534,7 +530,6 @@ class Session(QObject):
         self.store.clear_run()
         self.run_updater.clear()
         self.load_document(document, before)
-        self.post_command(call_run(None, Run.set_hand_edits, self.document.hand_edits))
         self.post_command(call_run(None, Run.set_parameters, opened.parameters))
         if opened.image.ndim == 3:
             self.store.set_busy("preparing", _PREPARING_TEXT)

@@ -37,10 +37,9 @@ def encode_vertices(result: Outcome) -> bytes:
     mask, 0 when open), ``strength`` (mean edge strength [gray levels / px]), ``vertex`` (from 1), ``row`` and ``col``
     [px, pixel centers at integers]; if the pixel size is known, ``x_...`` and ``y_...`` in its unit, along columns and
     rows from the center of the first pixel; ``contrast`` (mean contrast of both sides, empty without an image to
-    measure it in); if any contour has one, ``name``, ``color`` and ``class``; if any was edited by hand, ``by_hand``
-    (length drawn by hand [px]). Each branch of a skeleton is a contour with its label in the branch mask, without
-    contrast, and with a column ``radius``: the distance to the boundary [px]. Provenance is in the first row only,
-    because a table may have a hundred thousand.
+    measure it in); if any contour has one, ``name``, ``color`` and ``class``. Each branch of a skeleton is a contour
+    with its label in the branch mask, without contrast, and with a column ``radius``: the distance to the boundary
+    [px]. Provenance is in the first row only, because a table may have a hundred thousand.
     """
     return encode_csv_rows(
         _build_vertex_rows(result), ("contour", "closed", "label", "strength", "vertex", "row", "col")
@@ -63,8 +62,6 @@ def _build_vertex_rows(result: Outcome) -> list[Row]:
             common |= {"name": escape_cell(contour.name), "color": contour.color}
         if "category" in has:
             common["class"] = escape_cell(contour.category)
-        if "by_hand" in has:
-            common["by_hand"] = f"{contour.length_by_hand:.4f}"
         for vertex, (row, col) in enumerate(contour.points.tolist()):
             place: Row = {**fixed, "vertex": vertex + 1, "row": f"{row:.4f}", "col": f"{col:.4f}"}
             if unit:
@@ -80,7 +77,7 @@ def _build_vertex_rows(result: Outcome) -> list[Row]:
 
 def _find_attributes(result: Outcome) -> set[str]:
     """Find the attributes that any contour has, which get columns."""
-    names = ("name", "color", "category", "by_hand", "group", "gray")
+    names = ("name", "color", "category", "group", "gray")
     return {name for name in names for contour in result.contours if getattr(contour, name)}
 
 
@@ -96,8 +93,8 @@ def encode_measures(result: Outcome) -> bytes:
     FALSE), ``junctions`` (number of ends on one), ``inside`` (innermost closed contour around it, 0 for none),
     ``strength`` (mean edge strength [gray levels / px]), ``contrast`` (empty without an image to measure it in),
     ``length_px``, ``gross_area_px2`` (enclosed area), ``net_area_px2`` (without the closed contours inside, as in the
-    label mask; both areas are empty when it is open), the same in the unit of the image if it is known, and if any
-    contour was edited by hand, ``by_hand_px`` (length drawn by hand). For boundaries of objects also ``class``,
+    label mask; both areas are empty when it is open), and the same in the unit of the image if it is known. For
+    boundaries of objects also ``class``,
     ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE; the net area of a hole is 0), and ``bridged_px``
     (length without a detected edge). For a skeleton also ``thickness_min_px``, ``thickness_median_px`` and
     ``thickness_max_px``.
@@ -130,8 +127,6 @@ def _build_measure_rows(result: Outcome) -> list[Row]:
             row |= {f"{name}_area_{unit}2": f"{area:.7g}" if one.closed else "" for name, (_, area) in areas.items()}
         if "gray" in has:
             row["mean_gray"] = "" if contour.gray is None else f"{contour.gray:.6g}"
-        if "by_hand" in has:
-            row["by_hand_px"] = f"{one.by_hand:.4f}"
         if "category" in has:
             row["class"] = escape_cell(contour.category)
         if "group" in has:

@@ -33,7 +33,7 @@ def encode_contour_json(result: Outcome) -> bytes:
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
     levels / px. ``gross_area`` is the area enclosed by a contour, ``net_area`` excludes the closed contours in it, as
     in the label mask. ``inside`` is the number of the innermost closed contour around it, 0 for none; ``contrast`` is
-    null without an image to measure it in; ``by_hand`` is the length drawn by hand [px]; ``reached`` is how particles
+    null without an image to measure it in; ``reached`` is how particles
     got to a contour, if known. If the pixel size is known, length and areas are given in its unit as well. Boundaries
     of an object have its number as ``object``, its class as ``class``, and the length without a detected edge as
     ``bridged``. The image has the ``channel`` in which contours were found, unless it is the luminance.
@@ -107,7 +107,7 @@ def _contours_to_json(result: Outcome) -> list[JsonDict]:
         }
         entry |= {"junctions": list(contour.junctions), "length": round(row.length, 4)}
         entry |= {"gross_area": round(row.area, 4), "net_area": round(row.net_area, 4)}
-        entry |= {"by_hand": round(row.by_hand, 4), "strength": round(row.strength, 6)}
+        entry["strength"] = round(row.strength, 6)
         entry["contrast"] = None if row.contrast is None else round(row.contrast, 6)
         if contour.category:
             entry["class"] = contour.category

@@ -69,8 +69,6 @@ def _build_measurements(contour: Contour, row: Measures, unit: str | None) -> di
     found["Edge strength"] = row.strength
     if row.contrast is not None:
         found["Contrast"] = row.contrast
-    if row.by_hand:
-        found["Length by hand px"] = row.by_hand
     if contour.group:
         found["Bridged px"] = contour.bridged
     return {name: round(value, 6) for name, value in found.items()}

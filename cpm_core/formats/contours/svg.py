@@ -50,10 +50,10 @@ def encode_svg(result: Outcome) -> bytes:
 
     User units are pixels of the image, x along columns and y along rows, pixel centers at integers: the image covers
     the view box. Every contour is one path without a fill. Its data attributes state whether it is closed, its mean
-    edge strength [gray levels / px], its length [px], its contrast if it can be measured, the length drawn by hand [px]
-    if it is not zero, and its label in the label mask (0 when open). A name becomes the title, a color the stroke. The
-    page has true size if that is known and large enough to see, else one CSS pixel per pixel. Each branch of a skeleton
-    is such a path, with the distance of its vertices to the boundary [px]. The metadata are the provenance as JSON.
+    edge strength [gray levels / px], its length [px], its contrast if it can be measured, and its label in the label
+    mask (0 when open). A name becomes the title, a color the stroke. The page has true size if that is known and large
+    enough to see, else one CSS pixel per pixel. Each branch of a skeleton is such a path, with the distance of its
+    vertices to the boundary [px]. The metadata are the provenance as JSON.
     """
     rows, cols = result.shape
     width, height = _page_size(result)
@@ -90,7 +90,6 @@ def _format_path(contour: Contour, label: int, radii: Array | None = None) -> st
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '
     known += "" if contour.measure_contrast is None else f'data-contrast="{contour.contrast:.4f}" '
     known += f'data-number="{contour.number}" ' if contour.number else ""
-    known += f'data-by-hand="{contour.length_by_hand:.3f}" ' if contour.by_hand else ""
     known += f'stroke="{contour.color}" ' if contour.color else ""
     end = f"><title>{escape(contour.name, quote=False)}</title></path>" if contour.name else "/>"
     return (

@@ -1,1 +1,1 @@
-"""Session files: shapes, parameters and the review of contours, as readable JSON."""
+"""Session files: shapes, parameters and objects, as readable JSON."""

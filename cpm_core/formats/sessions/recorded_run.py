@@ -52,7 +52,7 @@ def add_recorded_run(session: SessionFile, recorder: RunRecorder, name: str = "R
     regions = collect_regions(session.shapes, session.objects.barriers)
     action: JsonDict = {"step": {}, "charges": [to_json(charge) for charge in collect_charges(session.shapes)]}
     action |= regions_to_json(regions)
-    bare = replace(session, image=None, marks=(), view={}, extra={}, hand_edits=(), runs={}, truth=None)
+    bare = replace(session, image=None, view={}, extra={}, runs={}, truth=None)
     branch = {
         "identity": _ONLY_BRANCH,
         "name": name,
@@ -69,7 +69,7 @@ def add_recorded_run(session: SessionFile, recorder: RunRecorder, name: str = "R
         "branches": [branch],
     }
     kept = {"branch": _ONLY_BRANCH, "step": state.step, "state": state_to_json(state)}
-    runs = {"here": [_ONLY_BRANCH, state.step], "runs": [run], "states": [kept], "numbers": []}
+    runs = {"here": [_ONLY_BRANCH, state.step], "runs": [run], "states": [kept]}
     return replace(session, runs=runs)
 
 

@@ -1,7 +1,7 @@
 """Session files: everything needed to continue work, or to repeat it without a window.
 
 A session file is JSON that can be read and edited by hand: the image file, the shapes drawn on it, the parameters, the
-review of the contours, and the view. The image stays in its own file; a hash shows whether it has changed.
+objects, and the view. The image stays in its own file; a hash shows whether it has changed.
 """
 
 from __future__ import annotations
@@ -14,8 +14,6 @@ from functools import partial
 from pathlib import Path, PurePath
 from typing import Annotated, Any, TypeVar
 
-from cpm_core.contours.hand_edits import HandEdit
-from cpm_core.contours.review import Mark
 from cpm_core.formats.common.atomic import check_writable, write_together
 from cpm_core.formats.common.content import read_content, try_fingerprint
 from cpm_core.formats.common.json_values import (
@@ -46,7 +44,7 @@ Entry = TypeVar("Entry")
 SESSION_MARK = "cpm-session"
 """Key that distinguishes a session file from other JSON."""
 
-SESSION_VERSION = 1
+SESSION_VERSION = 2
 """Version of the format: value of this entry."""
 
 SESSION_SUFFIX = ".cpm"
@@ -115,8 +113,6 @@ class SessionFile:
         Starts, regions of interest, barriers and placed charges.
     parameters : Parameters
         Parameters of the run.
-    marks : tuple of Mark
-        Review of the contours.
     mode : str
         Mode of the window; empty for the default.
     objects : SegmentedObjects
@@ -129,8 +125,6 @@ class SessionFile:
         Entries of other versions, kept when the file is written again.
     notes : tuple of str
         Messages from reading, one sentence each.
-    hand_edits : tuple of HandEdit
-        Edits of the contours by hand, in chronological order.
     runs : mapping
         Recorded runs of the window, as JSON; no effect on a run.
     truth : TruthFile or None
@@ -144,14 +138,12 @@ class SessionFile:
     image: ImageFile | None = None
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = field(default_factory=Parameters)
-    marks: tuple[Mark, ...] = ()
     mode: str = ""
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     outlined: SkeletonTarget = field(default_factory=SkeletonTarget)
     view: JsonObject = field(default_factory=dict)
     extra: JsonObject = field(default_factory=dict)
     notes: Texts = ()
-    hand_edits: tuple[HandEdit, ...] = ()
     runs: JsonObject = field(default_factory=dict)
     truth: TruthFile | None = None
     pages: JsonObject = field(default_factory=dict)
@@ -197,9 +189,7 @@ def encode_session(session: SessionFile, folder: Path) -> bytes:
         read = {name: to_json(given) for name, given in session.image.reading.arguments.items()}
         plain["image"] = {**to_json(session.image), **_place_to_json(session.image.path, folder), "reading": read}
     plain["shapes"] = [shape_to_json(shape) for shape in session.shapes]
-    plain |= {"parameters": to_json(session.parameters), "marks": to_json(session.marks)}
-    if session.hand_edits:
-        plain["hand_edits"] = to_json(session.hand_edits)
+    plain["parameters"] = to_json(session.parameters)
     if session.comparison != MethodComparison():
         plain["comparison"] = {
             "methods": list(session.comparison.methods),
@@ -267,7 +257,6 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             image=image,
             shapes=shapes,
             parameters=parameters,
-            marks=read_list("marks", "mark", partial(from_json, Mark)),
             mode=expect_text(plain.get("mode", ""), "mode"),
             objects=from_json(SegmentedObjects, plain.get("objects", {}), "objects"),
             outlined=from_json(SkeletonTarget, plain.get("outlined", {}), "outlined"),
@@ -277,7 +266,6 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile, where="truth"), None),
             pages=read_optional("pages", "other pages of the stack were", partial(expect_mapping, where="pages"), {}),
             comparison=read_optional("comparison", "comparison of methods was", _parse_comparison, MethodComparison()),
-            hand_edits=read_list("hand_edits", "edit by hand", partial(from_json, HandEdit)),
             notes=tuple(notes),
         )
     except ValueError as error:
@@ -358,7 +346,7 @@ def _parse_session(content: bytes, name: str) -> JsonObject:
     if version != SESSION_VERSION or isinstance(version, bool):
         raise ValueError(
             f"{name} is a session file of version {quote_value(version)}, but only version {SESSION_VERSION} is known "
-            "here: get a newer CPM for it."
+            "here: open it with the version of CPM that saved it."
         )
     return plain
 

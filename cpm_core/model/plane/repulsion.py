@@ -22,6 +22,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.field.interpolation import FORCE_COL, FORCE_ROW
 from cpm_core.model.coverage import cell_of, sort_by_cell
 from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.parallel import count_cores
@@ -332,12 +333,15 @@ def mesh_force_at(force: Single, down: float, right: float) -> tuple[float, floa
     """Interpolate the smooth part of the Coulomb force between the nodes of a mesh, in units of the pitch."""
     row, a, b, c = spline_weights(down)
     col, d, e, f = spline_weights(right)
-    return _weighted_nodes(force, row, col, 0, a, b, c, d, e, f), _weighted_nodes(force, row, col, 1, a, b, c, d, e, f)
+    return (
+        _weighted_nodes(force, row, col, FORCE_ROW, a, b, c, d, e, f),
+        _weighted_nodes(force, row, col, FORCE_COL, a, b, c, d, e, f),
+    )
 
 
 @compiled
 def _weighted_nodes(
-    force: Single, row: int, col: int, k: int, a: float, b: float, c: float, d: float, e: float, f: float
+    force: Single, row: int, col: int, k: np.int64, a: float, b: float, c: float, d: float, e: float, f: float
 ) -> float:
     """Return component `k` of the weighted force on nine nodes."""
     upper = d * force[row, col, k] + e * force[row, col + 1, k] + f * force[row, col + 2, k]

@@ -11,7 +11,7 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.placed_charges import charge_radius_at, near_charges, placed_forces, placed_potential
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.coverage import Coverage, idle_steps_at, mark_covered
+from cpm_core.model.coverage import idle_steps_at, mark_covered
 from cpm_core.model.equations import (
     FADED_STEPS,
     FINAL_DAMPING_STEPS,
@@ -76,24 +76,14 @@ def idle_steps_of(state: PlaneState, scale_field: ScaleField, parameters: Parame
 
     `state` is the one before the step, and `scale_field` includes the placed charges.
     """
-    particles, step, fast = state.particles, state.step_of_scale, fast_speed(parameters)
+    particles, fast = state.particles, fast_speed(parameters)
     # before the first coverage there is no limit
     under_way = state.idle // _UNDER_WAY_PATIENCE if state.coverage.size else 0
-    idle = _count_idle_steps(state.coverage, particles.position, particles.velocity, step, fast, under_way, state.idle)
+    idle = idle_steps_at(state.coverage, particles.position, state.step_of_scale, _OUTSIDE_COVERAGE)
+    outside = np.flatnonzero(idle == _OUTSIDE_COVERAGE)
+    idle[outside] = np.where((particles.velocity[outside] ** 2).sum(axis=1) > fast**2, under_way, state.idle)
     if state.charges:
         _let_gather(state, scale_field, idle)
-    return idle
-
-
-@compiled
-def _count_idle_steps(
-    coverage: Coverage, position: Array, velocity: Array, step: int, fast: float, under_way: int, others: int
-) -> Index:
-    """Count the steps since new coverage near each particle; the others have those of `under_way` or `others`."""
-    idle = idle_steps_at(coverage, position, step, _OUTSIDE_COVERAGE)
-    for i in range(len(idle)):
-        if idle[i] == _OUTSIDE_COVERAGE:
-            idle[i] = under_way if velocity[i, 0] ** 2 + velocity[i, 1] ** 2 > fast**2 else others
     return idle
 
 

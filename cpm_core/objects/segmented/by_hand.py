@@ -10,14 +10,13 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.hand_edits import HandEdit, apply_hand_edits
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Arrays, Index, Line, Mask, Position, frozen
 from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, boundary_from_polygon, lies_on, polygon_from_boundary
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.reconstruction.by_hand.live_wire import snap_path_to_ridge
+from cpm_core.reconstruction.by_hand.redrawing import RedrawnCurve
 from cpm_core.reconstruction.curve.subpixel import refine_to_ridge
 
 _MAX_WATERSHED_PIXELS = 40_000
@@ -150,18 +149,18 @@ def split_object_along(
 
 
 def redraw_boundary(
-    item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field: ScaleField | None
+    item: SegmentedObject, index: int, redrawn: RedrawnCurve, scale_field: ScaleField | None
 ) -> SegmentedObject:
-    """Redraw a stretch of one of the closed curves of the boundary of an object.
+    """Replace the curve of a boundary with an index, or the line of an open object, by one with a redrawn stretch.
 
-    New stretches follow the edges of the fields; where there are none, they are gaps.
+    Where the stretch follows no edge of the fields, it is a gap. An object stays as it was if nothing of it is left.
     """
-    changed = [round_line(one.points) for one in apply_hand_edits((contour,), (edit,))[0] if one.closed]
-    rest = [curve for curve in item.boundary if not np.array_equal(curve, contour.points)]
-    boundary = boundary_from_polygon(polygon_from_boundary([*rest, *changed]))
-    return (
-        _replace_boundary(item, boundary, [np.array(edit.added)], _ObjectEdges(item, scale_field)) if boundary else item
-    )
+    curve = round_line(redrawn.points)
+    if item.line:
+        return replace(item, line=curve)
+    curves = [*item.boundary[:index], curve, *item.boundary[index + 1 :]]
+    boundary = boundary_from_polygon(polygon_from_boundary(curves))
+    return _replace_boundary(item, boundary, [redrawn.drawn], _ObjectEdges(item, scale_field)) if boundary else item
 
 
 def mark_gaps(item: SegmentedObject, scale_field: ScaleField | None) -> SegmentedObject:

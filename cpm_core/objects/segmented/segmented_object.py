@@ -79,7 +79,7 @@ class SegmentedObject:
         Clicks that it was selected by, in order; empty if it was found otherwise.
     boundary : tuple of tuple
         Closed curves of vertices (row, col) in px of the image, the first vertex not repeated: outer boundaries and
-        holes. A place is inside when an odd number of them encloses it.
+        holes. A place is inside when an odd number of them encloses it. Empty for an open object.
     gaps : tuple of tuple
         Stretches of the boundary that follow no contour.
     confidence : float
@@ -97,6 +97,8 @@ class SegmentedObject:
     surface : tuple of PackedSurface or PackedVoxels
         The boundary of an object in a volume, which has no closed curves, or its voxels once it has been painted; empty
         in an image.
+    line : tuple of (row, col)
+        The vertices of an open object in px of the image: a line that encloses nothing; empty for any other object.
 
     Raises
     ------
@@ -116,13 +118,17 @@ class SegmentedObject:
     frozen: bool = False
     hidden: bool = False
     surface: tuple[PackedBody, ...] = ()
+    line: Line = ()
 
     def __post_init__(self) -> None:
         if self.number < 1:
             raise ValueError(f"The number of an object is {self.number} but must be at least 1.")
-        if len(self.surface) > 1 or (self.surface and self.boundary):
-            raise ValueError("An object has one surface in a volume, or closed curves in an image, not more.")
-        if not (self.boundary or self.surface) or any(len({*curve[:3]}) < 3 > len({*curve}) for curve in self.boundary):
+        if len(self.surface) > 1 or bool(self.surface) + bool(self.boundary) + bool(self.line) > 1:
+            raise ValueError("An object has one surface in a volume, or closed curves or a line in an image, not more.")
+        if self.line and len({*self.line}) < 2:
+            raise ValueError("The line of an object needs at least two different points.")
+        empty = not (self.boundary or self.surface or self.line)
+        if empty or any(len({*curve[:3]}) < 3 > len({*curve}) for curve in self.boundary):
             raise ValueError("The boundary of an object needs closed curves of at least three different points each.")
         if not 1 <= self.category <= CLASS_COUNT:
             raise ValueError(f"The class of an object is {self.category} but must be from 1 to {CLASS_COUNT}.")
@@ -185,18 +191,24 @@ class SegmentedObject:
         return float(sum(polyline.enclosed_area(curve) * (1.0 if curve in outer else -1.0) for curve in self.boundary))
 
     def measure_perimeter(self, spacing: Sides = (1.0, 1.0)) -> float:
-        """Measure the length of the boundary, holes included, in the unit of the size of a pixel."""
-        curves = (np.array((*curve, curve[0])) * spacing for curve in self.boundary)
-        return sum(polyline.path_length(curve) for curve in curves)
+        """Measure the length of the boundary, holes included, or of the line, in the unit of the size of a pixel."""
+        return sum(polyline.path_length(path * spacing) for path in self.paths)
 
     def measure_gap_length(self, spacing: Sides = (1.0, 1.0)) -> float:
         """Measure the length of the gaps: stretches of the boundary off the contours, in the unit of a pixel's size."""
         return sum(polyline.path_length(np.array(gap) * spacing) for gap in self.gaps)
 
     @cached_property
+    def paths(self) -> tuple[Array, ...]:
+        """The curves of the boundary with their first vertex repeated, or the line, each of shape (K, 2) [px]."""
+        if self.line:
+            return (np.array(self.line),)
+        return tuple(np.array((*curve, curve[0])) for curve in self.boundary)
+
+    @cached_property
     def box(self) -> tuple[Array, Array]:
-        """Lowest and highest row and column of the boundary, each of shape (2,) [px]."""
-        corners = np.concatenate(self.boundary)
+        """Lowest and highest row and column of the boundary or the line, each of shape (2,) [px]."""
+        corners = np.concatenate(self.paths)
         return corners.min(axis=0), corners.max(axis=0)
 
     @property
@@ -220,7 +232,7 @@ class SegmentedObject:
         else:
             (*first,), window = self._rasterize_window(shape)
         if not window.any():
-            return self.boundary[0][0]
+            return (self.line or self.boundary[0])[0]
         depth = scipy.ndimage.distance_transform_edt(np.pad(window, 1))[1:-1, 1:-1]
         row, col = np.unravel_index(int(np.argmax(depth)), window.shape)
         return (*plane, float(row + first[0]), float(col + first[1]))
@@ -320,9 +332,10 @@ class SegmentedObjects:
 
     @property
     def barriers(self) -> tuple[Line | Voxels, ...]:
-        """Boundaries of frozen objects, which particles do not cross: closed lines, or voxels in a volume."""
+        """Boundaries of frozen objects, which particles do not cross: lines, or voxels in a volume."""
         frozen = [item for item in self.items if item.frozen]
         lines = [(*curve, curve[0]) for item in frozen for curve in item.boundary]
+        lines += [item.line for item in frozen if item.line]
         return (*lines, *(packed.shell for item in frozen for packed in item.surface))
 
     def color_of(self, item: SegmentedObject) -> str:
@@ -349,6 +362,8 @@ def selection_from_object(item: SegmentedObject, shape: Extent) -> Selection:
 
 
 def contours_from_object(item: SegmentedObject) -> tuple[Contour, ...]:
-    """Return the boundary of an object as closed contours, holes marked as such."""
+    """Return the boundary of an object as closed contours, holes marked as such, or its line as an open contour."""
+    if item.line:
+        return (Contour(np.array(item.line), False, item.strength),)
     outer = item.outer_curves
     return tuple(Contour(np.array(curve), True, item.strength, hole=curve not in outer) for curve in item.boundary)

@@ -13,7 +13,8 @@ from cpm_core.formats import to_bytes
 from cpm_core.formats.masks.labels import paint_labels
 from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.objects.selection import Selection
-from cpm_core.shapes import Polygon
+from cpm_core.results import Result, boundaries_result
+from cpm_core.shapes import Barrier, Polygon, Stroke
 
 HERE, THERE, NOT_THERE = Click(((15.0, 15.0),)), Click(((30.0, 30.0),)), Click(((1.0, 1.0),), inside=False)
 IMAGE = ImageReference("a.png", "a.png", (40, 40), 1.0, spacing=(0.5, 0.5), unit="mm")
@@ -111,6 +112,45 @@ def test_the_start_from_an_object_is_its_outer_boundary(document) -> None:
     (shape,) = objects.add_objects_as_starts(document, (1,)).shapes
     assert isinstance(shape, Polygon)
     assert set(shape.points) == {tuple(corner) for corner in square(4.5, 25.5).tolist()}
+
+
+def found_contours(*curves: Contour) -> Result:
+    return boundaries_result(curves, [], (40, 40), (0.5, 0.5), "mm", "a.png")
+
+
+RINGS = tuple(Contour(square(low, 40.0 - low), True, 3.0) for low in (3.5, 7.5, 11.5, 15.5))
+"""Closed contours, each in the one before."""
+
+FIBER = Contour(np.array([[1.0, 1.0], [1.0, 21.0]]), False, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("copied", "holes"),
+    [((0,), [1]), ((1,), [1]), ((3,), [0]), ((0, 1), [1]), ((0, 2), [1, 1]), ((0, 1, 2, 3), [1, 1])],
+)
+def test_copied_contours_are_objects_with_their_direct_holes(document, copied, holes) -> None:
+    made = objects.copy_contours_to_objects(document.objects, found_contours(*RINGS), copied)
+    assert [len(item.boundary) - 1 for item in made] == holes
+    assert all(item.category == document.objects.category and not item.clicks for item in made)
+
+
+def test_a_copied_open_contour_is_an_open_object_that_files_of_lines_hold_and_label_masks_leave_out(document) -> None:
+    (fiber,) = objects.copy_contours_to_objects(document.objects, found_contours(*RINGS, FIBER), (4,))
+    assert np.array(fiber.line).tolist() == FIBER.points.tolist()
+    named = objects.rename_objects(objects.accept_objects(Document(IMAGE), (fiber,)), (1,), "fiber")
+    result = objects.build_objects_result(named)
+    text = to_bytes(result, ".geojson").decode()
+    assert "LineString" in text and "fiber" in text
+    both = objects.build_objects_result(objects.accept_objects(document, (fiber,)))
+    assert paint_labels(both).max() == paint_labels(objects.build_objects_result(document)).max()
+
+
+def test_an_open_object_is_a_stroke_or_a_barrier_of_the_next_run_and_no_region(document) -> None:
+    (fiber,) = objects.copy_contours_to_objects(document.objects, found_contours(FIBER), (0,))
+    whole = objects.accept_objects(Document(IMAGE), (fiber,))
+    assert objects.add_objects_as_starts(whole, (1,)).shapes == (Stroke(fiber.line),)
+    assert objects.add_objects_as_barriers(whole, (1,)).shapes == (Barrier(fiber.line),)
+    assert objects.add_objects_as_regions(whole, (1,)).shapes == ()
 
 
 def test_exported_labels_are_the_numbers_of_the_objects_and_holes_have_none(document) -> None:

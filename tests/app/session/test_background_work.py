@@ -7,9 +7,9 @@ import threading
 
 import pytest
 from cpm_app.model.export import ExportFile, ExportOrder
-from cpm_app.session.exchange.contour_tracking import ContourTracker
+from cpm_app.session.exchange.messages import Reconstruction
 from cpm_app.session.features.background import LatestOnlyWorker
-from cpm_app.session.worker import prepared_methods, reconstruction
+from cpm_app.session.worker import prepared_methods
 from cpm_app.views.window.python_hooks import UnexpectedErrors
 from PySide6.QtCore import Qt
 
@@ -33,8 +33,7 @@ def raising(error: Exception):
 
 BROKEN = [
     (Engine, "result", ValueError("the crust has no triangles")),
-    (ContourTracker, "track_contours", RuntimeError("tracking")),
-    (reconstruction, "apply_hand_edits", ValueError("the edit by hand meets nothing")),
+    (Reconstruction, "from_result", RuntimeError("measuring")),
     (Engine, "result", MemoryError()),
 ]
 
@@ -45,7 +44,7 @@ def test_trouble_with_contours_is_said_while_the_run_goes_on_with_the_last_ones(
 ) -> None:
     session = ready.session
     hand.key(KEY.Key_Period)
-    hand.wait(lambda: bool(session.scene.contours.items) and session.idle)
+    hand.wait(lambda: bool(session.scene.contours) and session.idle)
     before = session.scene.contours
     with monkeypatch.context() as broken:
         broken.setattr(owner, name, raising(error))
@@ -67,7 +66,7 @@ def test_contours_of_an_earlier_step_are_not_exported_as_those_of_the_last_one(
     ready, hand, monkeypatch, tmp_path
 ) -> None:
     hand.key(KEY.Key_Period)
-    hand.wait(lambda: bool(ready.session.scene.contours.items) and ready.session.idle)
+    hand.wait(lambda: bool(ready.session.scene.contours) and ready.session.idle)
     monkeypatch.setattr(Engine, "result", raising(ValueError("No triangles.")))
     hand.key(KEY.Key_Period)
     hand.wait(lambda: bool(said(ready)))

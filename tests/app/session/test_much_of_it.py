@@ -29,8 +29,7 @@ def around(corners: int = CORNERS) -> tuple[tuple[float, float], ...]:
 
 HOSTILE = {
     "path": {"image": {"path": LONG}},
-    "verdict": {"image": {"path": "a.png"}, "marks": [{"anchor": [1, 1], "verdict": LONG}]},
-    "name": {"image": {"path": "a.png"}, "marks": [{"anchor": [1, 1], "name": LONG}]},
+    "name": {"image": {"path": "a.png"}, "objects": {"items": [{"number": 1, "clicks": [], "name": LONG}]}},
     "class": {"image": {"path": "a.png"}, "objects": {"classes": [{"name": LONG, "color": "#ffffff"}]}},
     "mode": {"image": {"path": "a.png"}, "mode": LONG},
     "view": {"image": {"path": "disc.npy"}, "view": {LONG: LONG, "layers": LONG}},
@@ -43,7 +42,7 @@ HOSTILE = {
 @pytest.mark.parametrize("content", HOSTILE.values(), ids=HOSTILE)
 def test_a_session_with_a_million_letters_shows_only_few_of_them(ready, hand, tmp_path, content) -> None:
     path, opened = tmp_path / "long.cpm", ready.session.store.image_generation
-    path.write_text(json.dumps({"cpm-session": 1, **content}))
+    path.write_text(json.dumps({"cpm-session": 2, **content}))
     ready.session.open_file(path)
     shown = ready.canvas_area.messages
     hand.wait(lambda: bool(shown.text) or ready.session.store.image_generation > opened)

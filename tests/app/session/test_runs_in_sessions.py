@@ -8,13 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.model.document.contours import add_hand_edits
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
 
-from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 
@@ -75,7 +73,7 @@ def particles(window) -> bytes:
 
 
 def lines(window) -> list[bytes]:
-    return [item.contour.points.tobytes() for item in window.session.scene.contours.items]
+    return [contour.points.tobytes() for contour in window.session.scene.contours]
 
 
 def test_what_was_seen_is_there_again(steered, hand, tmp_path) -> None:
@@ -91,23 +89,6 @@ def test_what_was_seen_is_there_again(steered, hand, tmp_path) -> None:
     assert (status.phase, status.stale, status.steered) == ("finished", False, False)
     np.testing.assert_array_equal(steered.session.scene.snapshot.metrics.epsilon, figures.epsilon)
     assert not file_of(steered).unsaved
-
-
-def test_contours_have_the_numbers_that_they_had_before(ready, hand, tmp_path) -> None:
-    run_to_the_end(ready, hand)
-    drawn = HandEdit(added=((3.0, 3.0), (3.0, 9.0)))
-    ready.session.edit("draw", lambda document: add_hand_edits(document, (drawn,)))
-    hand.wait(lambda: ready.session.idle and len(numbers(ready)) == 2)
-    before = numbers(ready)
-    assert max(before, key=before.__getitem__) == 2  # the contour drawn by hand is the first one after opening
-    reopened(ready, hand, saved(ready, hand, tmp_path / "a.cpm"))
-    assert numbers(ready) == before
-
-
-def numbers(window) -> dict[int, float]:
-    """The numbers of the contours, and how far up each reaches."""
-    items = window.session.scene.contours.items
-    return {item.contour.number: -float(item.contour.points[:, 0].min()) for item in items}
 
 
 def test_every_step_and_its_steering_can_be_gone_back_to(steered, hand, tmp_path) -> None:
@@ -205,8 +186,6 @@ DAMAGES = [
     (("runs", 0, "document"), "no document", ["Run 2"]),
     (("runs", 1, "actions", 0, "step", "beta"), -5.0, ["Run 1", "Branch 1"]),
     (("states", 0, "state", "position", "data"), "AAAA", ["Run 1", "Branch 1", "Run 2"]),
-    (("numbers",), [[1, 5.0, 5.0], [1, 9.0, 9.0]], ["Run 1", "Branch 1", "Run 2"]),
-    (("numbers",), [[2, 5.0, "far"]], ["Run 1", "Branch 1", "Run 2"]),
     (("runs",), 3, []),
 ]
 """Pieces of a session file, what they are replaced by, and the branches that are left."""

@@ -7,12 +7,12 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
+from cpm_app.model.document.objects import accept_objects
 from cpm_app.session.storage import session_file
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.window.window import MainWindow
@@ -20,8 +20,8 @@ from PySide6.QtCore import QMimeData, QPoint, Qt, QTimer, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QMessageBox
 
-from cpm_core.contours.review import Mark
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
+from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Circle, Region
 
 pytestmark = pytest.mark.shared_window
@@ -78,13 +78,14 @@ def answering(text: str) -> Iterator[None]:
     assert answered == [text]
 
 
-def test_what_is_saved_by_a_key_is_restored_with_marks_and_view(ready, hand, saved_to, tmp_path) -> None:
+def test_what_is_saved_by_a_key_is_restored_with_objects_and_view(ready, hand, saved_to, tmp_path) -> None:
     session, canvas = ready.session, hand.canvas
     session.edit(
         "draw region", lambda document: edits.add_shape(document, Region(((1.0, 1.0), (1.0, 60.0), (60.0, 9.0))))
     )
     session.edit("damping", lambda document: edits.set_parameter(document, "beta", 0.5))
-    session.edit("reject", lambda document: replace(document, marks=(Mark((14.0, 32.0), "rejected"),)))
+    vessel = SegmentedObject(1, (), name="vessel", line=((3.0, 3.0), (9.0, 50.0)))
+    session.edit("accept", lambda document: accept_objects(document, (vessel,)))
     canvas.zoom_by(2.0)
     canvas.pan_by(30.0, -20.0)
     canvas.layers["image"].set_opacity(0.5)

@@ -26,17 +26,15 @@ import scipy
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 import cpm_core as cpm
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Index, Mask
 from cpm_core.objects import confidence
 from tests.benchmarks.prior import pictures
 from tests.benchmarks.prior.drawn import clean, drawn
 from tests.benchmarks.prior.nested import nested
+from tests.benchmarks.prior.regression import curve, learned
 from tests.benchmarks.prior.scenes import made_up
 
 CLICKS = 4
-TIGHT = 1e-3
-"""How much large numbers are held back."""
-
 EVERYWHERE = {"nuclei": 2, "strawberries": 2, "cats": 6}
 """Of so many images that are held out, one is looked at everywhere."""
 
@@ -122,28 +120,6 @@ def best_overlap(mask: Mask, labels: Index) -> float:
     areas = np.bincount(labels.ravel())
     common = np.bincount(labels[mask], minlength=len(areas))
     return float((common / (np.count_nonzero(mask) + areas - common))[1:].max(initial=0.0))
-
-
-def learned(features: Array, right: Array, weights: Array) -> Array:
-    """Numbers of a logistic regression, the offset last, by Newton's method."""
-    wide = np.column_stack([features, np.ones(len(features))])
-    numbers, tight = np.zeros(wide.shape[1]), TIGHT * weights.sum() * np.eye(wide.shape[1])
-    tight[-1, -1] = 0.0
-    for _ in range(50):
-        likely = scipy.special.expit(wide @ numbers)
-        slope = wide.T @ (weights * (right - likely)) - tight @ numbers
-        bend = wide.T @ (wide * (weights * likely * (1.0 - likely))[:, None]) + tight
-        numbers += np.linalg.solve(bend, slope)
-    return numbers
-
-
-def curve(shown: Array, right: Array) -> str:
-    """Share of right answers among those shown as so and so sure, and how many there are."""
-    cells = []
-    for low, high in zip((0.0, 0.2, 0.4, 0.6, 0.8), (0.2, 0.4, 0.6, 0.8, 1.01), strict=True):
-        on = (shown >= low) & (shown < high)
-        cells.append(f"{shown[on].mean():.2f}/{right[on].mean():.2f}/{on.sum()}" if on.any() else "-")
-    return "  ".join(cells)
 
 
 def main() -> None:

@@ -18,8 +18,6 @@ import cpm_core
 from cpm_core import Parameters, load_image
 from cpm_core.cli import workers
 from cpm_core.cli.workers import BatchJob, BatchRow, run_job
-from cpm_core.contours.hand_edits import HandEdit
-from cpm_core.contours.review import Mark
 from cpm_core.formats.common.content import compute_fingerprint
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle, Region
@@ -56,19 +54,13 @@ def test_a_session_does_what_its_parts_do_as_flags(told, session, disks, tmp_pat
     assert told("run", "--session", session, "--max-steps", 60, "--min-length", 1000)["contours"] == 0
 
 
-def test_regions_and_the_review_of_a_session_act(told, disks, tmp_path):
+def test_the_regions_of_a_session_act(told, disks, tmp_path):
     right = Region(((0.0, 52.0), (0.0, 104.0), (79.0, 104.0), (79.0, 52.0)))
     path, mask = tmp_path / "a.cpm", tmp_path / "mask.png"
     save_session(SessionFile(shapes=(Circle(CENTERS[1], 6.0), right), parameters=Parameters(scales=2)), path)
     told("run", disks, "--session", path, "--export", mask)
     found = load_image(mask).values
     assert found[40, 75] > 0 and not found[:, :50].any()
-    shapes = tuple(Circle(center, 6.0) for center in CENTERS)
-    left, other = ((row - RADIUS, col) for row, col in CENTERS)
-    marks = (Mark(left, "rejected"), Mark(other, "kept", "right"))
-    save_session(SessionFile(ImageFile(str(disks)), shapes, Parameters(scales=2), marks), path)
-    assert told("run", "--session", path, "--export", tmp_path / "a.geojson")["contours"] == 1
-    assert "right" in (tmp_path / "a.geojson").read_text()
 
 
 def test_what_the_user_should_know_of_a_session_is_reported(command, session, disks):
@@ -247,23 +239,6 @@ def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(com
     assert (row["closed"], row["trouble"], row["files"]) == ("0", "", "cut_contours.svg; cut_contours.measures.csv")
     assert "cut.png" in row["notes"]
     assert command(*line, "--export", "png", "--again")[0] == 1  # nothing at all can be written
-
-
-def test_edits_by_hand_of_a_session_are_carried_out(command, told, disks, tmp_path):
-    """One disk is found by particles, the other is outlined by hand; a run by itself and a batch give the same."""
-    start = Circle(CENTERS[0], 0.7 * RADIUS)
-    angle = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
-    circle = np.stack([CENTERS[1][0] + RADIUS * np.sin(angle), CENTERS[1][1] + RADIUS * np.cos(angle)], axis=1)
-    edit = HandEdit(added=tuple(map(tuple, circle.tolist())), closed=True)
-    session = tmp_path / "edited.cpm"
-    save_session(SessionFile(ImageFile(str(disks)), (start,), hand_edits=(edit,)), session)
-    assert told("run", "--session", session, "--export", tmp_path / "a.measures.csv")["closed"] == 2
-    rows = list(csv.DictReader((tmp_path / "a.measures.csv").read_text().splitlines()))
-    assert sorted(float(row["by_hand_px"]) > 0.0 for row in rows) == [False, True]
-    out = tmp_path / "out"
-    batch = ("batch", disks, "--session", session, "--output", out, "--workers", 1, "--export", ".measures.csv")
-    assert command(*batch)[0] == 0
-    assert (out / "disks_contours.measures.csv").read_text() == (tmp_path / "a.measures.csv").read_text()
 
 
 def test_one_table_joins_the_measures_of_all_images_of_a_folder(command, session, disks, tmp_path):

@@ -7,10 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
+from cpm_core.objects.confidence import (
+    ConfidenceFeatures,
+    RegionFeatures,
+    estimate_confidence,
+    estimate_region_confidence,
+)
 
 SHARE = st.floats(0.0, 1.0)
 FEATURES = st.builds(ConfidenceFeatures, SHARE, SHARE, SHARE, SHARE, st.integers(0, 20), st.booleans())
+REGION_FEATURES = st.builds(
+    RegionFeatures, SHARE, SHARE, SHARE, SHARE, st.floats(30.0, 1e6), *[SHARE] * 6, st.booleans(), st.booleans()
+)
 
 
 @pytest.mark.parametrize("feature", ["predicted_iou", "mean_certainty", "iou_to_previous", "iou_to_other_crop"])
@@ -20,6 +28,13 @@ def test_an_object_is_the_surer_the_more_speaks_for_it(feature, features, more):
     assert 0.0 < estimate_confidence(features) <= estimate_confidence(larger) < 1.0
 
 
-def test_the_origin_of_the_numbers_is_stated():
-    stored = json.loads(files("cpm_core.objects").joinpath("confidence.json").read_text("utf-8"))
-    assert {"numbers", "answers", "seed", "script", "data"} <= stored.keys()
+@given(features=REGION_FEATURES, more=SHARE)
+def test_a_region_is_the_surer_the_larger_the_predicted_overlap_and_the_fewer_its_rivals(features, more):
+    better = features._replace(predicted_iou=max(more, features.predicted_iou), rivalry=min(more, features.rivalry))
+    assert 0.0 < estimate_region_confidence(features) <= estimate_region_confidence(better) < 1.0
+
+
+@pytest.mark.parametrize("name", ["confidence.json", "confidence_everywhere.json"])
+def test_the_origin_of_the_numbers_is_stated(name):
+    stored = json.loads(files("cpm_core.objects").joinpath(name).read_text("utf-8"))
+    assert {"numbers", "features", "right", "seed", "script", "data"} <= stored.keys()

@@ -1,4 +1,4 @@
-"""Live wires and edits made with them, on a disk whose boundary is known."""
+"""Live wires, and curves redrawn with them, on a disk whose boundary is known."""
 
 from functools import cache
 
@@ -8,20 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.hand_edits import apply_hand_edits
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, snap_place_to_ridge
-from cpm_core.reconstruction.by_hand.operations import (
-    Contact,
-    chain_contours,
-    connect_by_path,
-    cut_contour,
-    delete_stretch,
-    live_wire_from,
-    pull_contour,
-)
-from cpm_core.results import apply_edits_to_result
-from cpm_core.results.result import Result
+from cpm_core.reconstruction.by_hand.redrawing import CurvePlace, pull_curve, replace_stretch
 from tests.core.scenes import circle_points, disk
 
 SHAPE, CENTER, RADIUS = (100, 120), (48.3, 60.7), 30.2
@@ -50,8 +39,12 @@ def off_circle(points):
     return np.abs(np.hypot(*(points - CENTER).T) - RADIUS)
 
 
-def ends(contour):
-    return Contact.from_contour_ends(contour)
+def place_on(curve, angle, radius=RADIUS):
+    return CurvePlace.from_nearest_place(curve, at(angle, radius))
+
+
+def area(curve):
+    return Contour(curve.points, True).area
 
 
 @settings(max_examples=25, deadline=None)
@@ -63,113 +56,78 @@ def test_a_live_wire_follows_the_edge_between_two_places_on_it(first, width):
     assert np.linalg.norm(np.diff(path, axis=0), axis=1).sum() == pytest.approx(width * RADIUS, rel=0.02, abs=0.1)
 
 
+def test_a_wire_does_not_run_back_along_a_line_that_it_avoids():
+    """The way back along the edge found is the cheaper one where the gap is faint."""
+    drawn = arc(0.5, 2.0 * np.pi).points
+    wire = LiveWire(field(), tuple(drawn[0].tolist()), [drawn], [tuple(drawn[-1].tolist())])
+    path = wire.path_to(tuple(drawn[-1].tolist()))
+    assert np.linalg.norm(np.diff(path, axis=0), axis=1).sum() < 0.6 * RADIUS
+
+
 def test_a_place_snaps_to_an_edge_only_within_reach():
     assert off_circle(np.array([snap_place_to_ridge(at(1.0, RADIUS + 1.5), field(), 4.0)])).max() < 0.15
     assert snap_place_to_ridge(CENTER, field(), 4.0) == CENTER
 
 
-@settings(max_examples=15, deadline=None)
-@given(st.floats(0.0, 6.28), st.floats(0.1, 1.5))
-def test_a_contour_with_a_gap_is_closed_along_the_edge(first, gap):
-    open_one = arc(first + gap, first + 2.0 * np.pi)
-    (edit,) = chain_contours(field(), [open_one], closing=True)
-    (closed,), missed = apply_hand_edits([open_one], [edit])
-    assert closed.closed and missed == ()
-    assert closed.area == pytest.approx(AREA, rel=3e-3) and off_circle(closed.points).max() < 0.15
+@settings(max_examples=25, deadline=None)
+@given(st.floats(0.0, 6.28), st.floats(-20.0, 20.0))
+def test_the_nearest_place_of_a_curve_is_as_near_as_any_sample_of_it(angle, aside):
+    curve, to = whole(), at(angle, RADIUS + aside)
+    place = CurvePlace.from_nearest_place(curve, to)
+    samples = np.linspace(curve.path[:-1], curve.path[1:], 20).reshape(-1, 2)
+    assert place.distance_to(to) <= np.linalg.norm(samples - to, axis=1).min() + 1e-9
+    assert place.distance_to(to) == pytest.approx(abs(aside), abs=0.02)
 
 
-def test_a_wire_does_not_run_back_along_its_own_contour():
-    """The way back along the edge found is the cheaper one where the gap is faint."""
-    open_one = arc(0.5, 2.0 * np.pi)
-    begin, end = ends(open_one)
-    path = live_wire_from(field(), begin).path_to(end.place)
-    assert np.linalg.norm(np.diff(path, axis=0), axis=1).sum() < 0.6 * RADIUS
+@pytest.mark.parametrize("middle", [0.0, 1.3, 3.1, 6.2])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_path_between_two_places_takes_the_place_of_the_nearer_stretch(middle, turned):
+    angle = middle + np.linspace(0.4, -0.4, 30)[:: -1 if turned else 1]
+    path = np.stack(at(angle, RADIUS + 6.0 * np.cos(np.pi * (angle - middle) / 0.8)), axis=1)
+    curve = whole()
+    ends = (CurvePlace.from_nearest_place(curve, tuple(path[n].tolist())) for n in (0, -1))
+    redrawn = replace_stretch(*ends, path)
+    assert redrawn.closed and area(redrawn) == pytest.approx(AREA + 6.0 * RADIUS * 0.8 * 2.0 / np.pi, abs=30.0)
+    assert off_circle(redrawn.points).max() == pytest.approx(6.0, abs=0.1)
+    assert redrawn.length < 2.0 * np.pi * RADIUS + 8.0
 
 
-def test_pieces_are_chained_by_their_nearest_ends_in_whatever_order_and_direction():
-    pieces = [arc(4.3, 6.1), arc(2.0, 0.1), arc(2.3, 4.0)]
-    edits = chain_contours(field(), pieces, closing=True)
-    (closed,), missed = apply_hand_edits(pieces, edits)
-    assert len(edits) == 3 and closed.closed and missed == ()
-    assert closed.area == pytest.approx(AREA, rel=3e-3)
-
-
-def test_from_an_end_to_its_own_side_a_contour_is_closed_and_the_rest_stays():
-    """An outline that goes on along a neighbor: the loop is closed, the tail remains."""
-    tail = np.array([at(0.0, RADIUS + away) for away in (20.0, 10.0)])
-    contour = Contour(np.concatenate([tail, arc(0.0, 6.1).points]), False)
-    last = ends(contour)[1]
-    side = Contact.from_nearest_place(contour, at(0.0))
-    found, missed = apply_hand_edits(
-        [contour], connect_by_path(LiveWire(field(), last.place).path_to(side.place), last, side)
-    )
-    assert missed == () and [one.closed for one in found] == [True, False]
-    assert found[0].area == pytest.approx(AREA, rel=3e-3) and found[1].length == pytest.approx(20.0, abs=0.1)
-
-
-def test_a_path_to_the_side_of_another_contour_ends_on_a_junction():
-    other = Contour(np.array([[5.0, 5.0], [5.0, 100.0]]), False)
-    first = Contour(np.array([[40.0, 40.0], [20.0, 40.0]]), False)
-    end = ends(first)[1]
-    found, missed = apply_hand_edits(
-        [first, other],
-        connect_by_path(np.array([end.place, (5.0, 40.0)]), end, Contact.from_nearest_place(other, (5.0, 40.0))),
-    )
-    assert missed == () and other in found
-    grown = next(one for one in found if one is not other)
-    assert grown.length == pytest.approx(35.0) and grown.junctions == (False, True)
-
-
-def test_a_path_between_two_sides_takes_the_place_of_the_nearer_stretch():
-    angle = np.linspace(0.4, -0.4, 30)
-    path = np.stack(at(angle, RADIUS + 6.0 * np.cos(np.pi * angle / 0.8)), axis=1)
-    contour = whole()
-    edits = connect_by_path(
-        path, Contact.from_nearest_place(contour, path[0]), Contact.from_nearest_place(contour, path[-1])
-    )
-    (one,), missed = apply_hand_edits([contour], edits)
-    assert missed == () and one.closed and one.area > AREA + 50.0
-    assert off_circle(one.points).max() == pytest.approx(6.0, abs=0.1)
-
-
-def test_a_cut_is_made_at_the_place_on_the_contour():
-    contour = arc(0.0, 3.0)
-    found, _ = apply_hand_edits([contour], [cut_contour(Contact.from_nearest_place(contour, at(1.0, RADIUS + 3.0)))])
-    assert [one.length for one in found] == pytest.approx([2.0 * RADIUS, RADIUS], rel=2e-3)
-
-
-@pytest.mark.parametrize("angles", [(0.2, 1.2), (1.2, 0.2), (6.0, 0.3)])
-def test_of_a_closed_contour_the_shorter_stretch_is_deleted(angles):
-    contour = whole()
-    one, other = (Contact.from_nearest_place(contour, at(angle)) for angle in angles)
-    (rest,), _ = apply_hand_edits([contour], [delete_stretch(one, other)])
-    width = abs(angles[0] - angles[1]) % (2.0 * np.pi)
-    assert rest.length == pytest.approx(RADIUS * max(width, 2.0 * np.pi - width), rel=2e-3)
+def test_a_stretch_of_an_open_curve_is_replaced_and_its_ends_stay():
+    curve = arc(0.0, 3.0)
+    chord = np.array([at(2.0), at(1.0)])
+    redrawn = replace_stretch(place_on(curve, 2.0), place_on(curve, 1.0), chord)
+    assert not redrawn.closed
+    np.testing.assert_allclose(redrawn.points[[0, -1]], curve.points[[0, -1]])
+    assert redrawn.length == pytest.approx(2.0 * RADIUS + 2.0 * RADIUS * np.sin(0.5), rel=2e-3)
 
 
 def test_a_stretch_beside_the_edge_snaps_to_it_when_it_is_pulled_there():
-    """A contour that runs straight across a part of the disk is pulled onto its boundary."""
+    """A curve that runs straight across a part of the disk is pulled onto its boundary."""
     chord = np.linspace(at(0.45), at(-0.45), 20)[1:-1]
-    contour = Contour(np.concatenate([arc(0.45, 2.0 * np.pi - 0.45).points, chord[::-1]]), True)
-    held = Contact.from_nearest_place(contour, chord[9])
-    assert off_circle(contour.points).max() > 2.5
-    (one,), missed = apply_hand_edits([contour], [pull_contour(held, at(0.0, RADIUS + 1.0), field())])
-    assert missed == () and one.closed and one.area == pytest.approx(AREA, rel=5e-3)
+    curve = Contour(np.concatenate([arc(0.45, 2.0 * np.pi - 0.45).points, chord[::-1]]), True)
+    held = CurvePlace.from_nearest_place(curve, tuple(chord[9].tolist()))
+    assert off_circle(curve.points).max() > 2.5
+    redrawn = pull_curve(held, at(0.0, RADIUS + 1.0), field())
+    assert redrawn.closed and area(redrawn) == pytest.approx(AREA, rel=5e-3)
 
 
-def test_without_edges_a_pulled_stretch_bends_to_the_place():
-    contour = whole()
-    (one,), missed = apply_hand_edits(
-        [contour], [pull_contour(Contact.from_nearest_place(contour, at(0.0)), at(0.0, RADIUS + 10.0))]
-    )
-    assert missed == () and one.closed
-    assert np.linalg.norm(one.points - at(0.0, RADIUS + 10.0), axis=1).min() < 0.5
-    assert off_circle(one.points).max() == pytest.approx(10.0, abs=0.2)
+@pytest.mark.parametrize("angle", [0.0, 2.0, 6.2])
+def test_without_edges_a_pulled_stretch_bends_to_the_place(angle):
+    redrawn = pull_curve(place_on(whole(), angle), at(angle, RADIUS + 10.0))
+    assert redrawn.closed
+    assert np.linalg.norm(redrawn.points - at(angle, RADIUS + 10.0), axis=1).min() < 0.5
+    assert off_circle(redrawn.points).max() == pytest.approx(10.0, abs=0.2)
 
 
-def test_changed_contours_have_the_strength_of_the_edge_below_them():
-    open_one = arc(0.4, 2.0 * np.pi)
-    result = Result(np.empty((0, 2)), (open_one,), None, 1, True, "", SHAPE, (1.0, 1.0), None, "")
-    (closed,) = apply_edits_to_result(result, chain_contours(field(), [open_one], closing=True), field())[0].contours
-    assert closed.strength == pytest.approx(field().strength_at(whole().points).mean(), rel=0.02)
-    assert closed.contrast > 0.5
+@pytest.mark.parametrize("snapping", [False, True])
+@pytest.mark.parametrize("end", [0, -1])
+def test_the_end_of_an_open_curve_moves_when_it_is_pulled(snapping, end):
+    curve, to = arc(0.5, 2.5), at(0.3 if end == 0 else 2.7)
+    held = CurvePlace.from_nearest_place(curve, tuple(curve.points[end].tolist()))
+    redrawn = pull_curve(held, to, field() if snapping else None)
+    assert not redrawn.closed
+    np.testing.assert_allclose(redrawn.points[end], to, atol=0.3)
+    np.testing.assert_allclose(redrawn.points[-1 - end], curve.points[-1 - end])
+    if snapping:
+        assert off_circle(redrawn.points).max() < 0.3
+        assert redrawn.length == pytest.approx(2.2 * RADIUS, rel=0.02)

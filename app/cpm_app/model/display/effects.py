@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from cpm_app.model.display.lengths import format_measured_length
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.parameters.controls import RATIO_CONTROL
 from cpm_app.model.text.language import localize_number, tr
 from cpm_core import Parameters, State
-from cpm_core.contours import Measures
 from cpm_core.model.equations import creeping_range
 from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.volume.state import VolumeState
 from cpm_core.parameters import UNLIMITED_REACH
 from cpm_core.segmentation import MethodState
 
-FILTER_MEASURES = {
-    "min_strength": lambda row: row.strength,
-    "min_length": lambda row: row.length,
-    "min_contrast": lambda row: row.contrast,
-}
-"""Parameters that leave out contours, with the measure that each of them is compared with."""
+FILTER_PARAMETERS = ("min_strength", "min_length", "min_contrast")
+"""Parameters that leave out contours."""
 
 MOTION_PARAMETERS = ("beta", RATIO_CONTROL, "annealing")
 """Parameters of the motion of particles."""
@@ -67,12 +62,10 @@ def describe_effects(
     return words
 
 
-def describe_contours_left(rows: Sequence[Measures], name: str, value: float, before: int | None) -> str:
-    """Tell in words how many contours a filter's value leaves; `before` is their number before its slider moved."""
-    values = [measured for measured in map(FILTER_MEASURES[name], rows) if measured is not None]
-    if not values and before is None:
+def describe_contours_left(left: int, before: int | None) -> str:
+    """Tell in words how many contours a filter leaves; `before` is their number before its slider moved."""
+    if not left and before is None:
         return ""
-    left = sum(measured >= value for measured in values)
     if before is None:
         return tr("1 contour") if left == 1 else tr("{count} contours", count=left)
     return tr("{before} → {after} contours", before=before, after=left)

@@ -1,1 +1,1 @@
-"""The document: image, shapes, parameters and marks; frozen, edited by pure functions."""
+"""The document: image, shapes, parameters and objects; frozen, edited by pure functions."""

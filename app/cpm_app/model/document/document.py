@@ -10,7 +10,7 @@ from typing import Literal
 
 from cpm_app.model.text.language import tr
 from cpm_core import PARAMETERS, PRESETS, Image, Parameters, PlacedCharge
-from cpm_core.contours import HandEdit, Mark, PackedBody
+from cpm_core.contours import PackedBody
 from cpm_core.formats import Reading
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT_READING
@@ -98,12 +98,8 @@ class Document:
         The initialization, regions of interest, barriers and placed charges, in the order drawn.
     parameters : Parameters
         Parameters of the model.
-    marks : tuple of Mark
-        Review of contours.
     mode : {"shape", "automatic", "skeleton", "published"}
         Purpose of the run.
-    hand_edits : tuple of HandEdit
-        Edits of the contours by hand, in the order in which they were made.
     objects : SegmentedObjects
         The objects that have been selected, and the selection that is being made.
     outlined : SkeletonTarget
@@ -115,9 +111,7 @@ class Document:
     image: ImageReference | None = None
     shapes: tuple[Shape, ...] = ()
     parameters: Parameters = PRESETS["shape"]
-    marks: tuple[Mark, ...] = ()
     mode: Mode = "shape"
-    hand_edits: tuple[HandEdit, ...] = ()
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     outlined: SkeletonTarget = field(default_factory=SkeletonTarget)
     comparison: MethodComparison = field(default_factory=MethodComparison)

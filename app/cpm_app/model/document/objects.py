@@ -12,8 +12,8 @@ import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
-from cpm_core import Bridge, Result, Selection, Surface, VolumeSelection
-from cpm_core.contours import Label, PackedBody, join_surfaces
+from cpm_core import Bridge, Result, Selection, Surface, VolumeSelection, containment
+from cpm_core.contours import Label, PackedBody, join_surfaces, select_bridges_on
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, Position, path_length, polyline, simplify_path
 from cpm_core.numerics.polyline import as_line
@@ -34,7 +34,7 @@ from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.parameters import Provenance
 from cpm_core.results import boundaries_result
-from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
+from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region, Stroke
 
 AnySelection = Selection | VolumeSelection
 """A selection in an image or in a volume."""
@@ -112,26 +112,57 @@ def add_selections(document: Document, selections: Iterable[Selection], category
 
 
 def object_from_contours(number: int, category: int, contours: Contours, gaps: Iterable[Array] = ()) -> SegmentedObject:
-    """Make an object of closed contours.
+    """Make an object of closed contours, or of an open one.
 
     Parameters
     ----------
     number, category : int
         Number and class of the object.
     contours : sequence of Contour
-        Its boundaries, at least one.
+        Its boundaries, at least one, or a single open contour.
     gaps : iterable of ndarray, shape (K, 2)
         Stretches of the boundary that follow no edge [px].
     """
     strength = float(np.average([one.strength for one in contours], weights=[one.length for one in contours]))
+    curves = tuple(round_line(contour.points) for contour in contours)
+    closed = contours[0].closed
     return SegmentedObject(
         number,
         (),
-        tuple(round_line(contour.points) for contour in contours),
+        curves if closed else (),
         tuple(map(round_line, gaps)),
         strength=round(strength, _SESSION_DECIMALS),
         category=category,
+        line=() if closed else curves[0],
     )
+
+
+def copy_contours_to_objects(known: SegmentedObjects, result: Result, indices: Iterable[int]) -> list[SegmentedObject]:
+    """Make objects of contours of a run, not accepted yet: closed ones with their direct holes, and open ones.
+
+    A contour in a hole of a selected one bounds an object of its own again.
+    """
+    contours, around, selected = result.contours, containment(result.contours), frozenset(indices)
+
+    def find_enclosing(index: int) -> list[int]:
+        found: list[int] = []
+        outer = around[index]
+        while outer is not None:
+            found.append(outer)
+            outer = around[outer]
+        return found
+
+    made = []
+    for index in sorted(selected):
+        bounds, outer = [contours[index]], find_enclosing(index) if contours[index].closed else []
+        highest = next((depth for depth in reversed(range(len(outer))) if outer[depth] in selected), -1)
+        if highest % 2 == 0:  # enclosed by an odd number of contours: a hole
+            continue
+        if contours[index].closed:
+            bounds += [one for one, inside in zip(contours, around, strict=True) if inside == index and one.closed]
+        gaps = (bridge.points for bridge in select_bridges_on(result.bridges, bounds) if contours[index].closed)
+        made.append(object_from_contours(known.next_number, known.category, bounds, gaps))
+    return made
 
 
 def replace_boundaries(document: Document, found: Iterable[SelectionUpdate]) -> Document:
@@ -216,21 +247,21 @@ def name_class(document: Document, category: int, name: str, color: str = "") ->
 
 
 def add_objects_as_starts(document: Document, numbers: Iterable[int]) -> Document:
-    """Add the outlines of objects as starts; in a volume, points all over their surfaces."""
+    """Add the outlines and lines of objects as starts; in a volume, points all over their surfaces."""
     return _add_objects_as_shapes(
-        document, numbers, Polygon, lambda surface: Points(_sample_surface_points(surface.surface))
+        document, numbers, Polygon, lambda surface: Points(_sample_surface_points(surface.surface)), Stroke
     )
 
 
 def add_objects_as_regions(document: Document, numbers: Iterable[int]) -> Document:
-    """Add objects as regions of interest; their holes count as inside."""
+    """Add objects as regions of interest; their holes count as inside, and open objects enclose none."""
     return _add_objects_as_shapes(document, numbers, Region, EnclosedRegion)
 
 
 def add_objects_as_barriers(document: Document, numbers: Iterable[int]) -> Document:
-    """Add the boundaries of objects as barriers."""
+    """Add the boundaries and lines of objects as barriers."""
     return _add_objects_as_shapes(
-        document, numbers, lambda curve: Barrier((*curve, curve[0])), EnclosingWall, holes=True
+        document, numbers, lambda curve: Barrier((*curve, curve[0])), EnclosingWall, Barrier, holes=True
     )
 
 
@@ -239,12 +270,15 @@ def _add_objects_as_shapes(
     numbers: Iterable[int],
     shape: Callable[[Line], Polygon | Region | Barrier],
     in_volume: Callable[[PackedBody], Points | EnclosedRegion | EnclosingWall],
+    from_line: Callable[[Line], Stroke | Barrier] | None = None,
     holes: bool = False,
 ) -> Document:
     for number in numbers:
         item = document.objects[number]
         for surface in item.surface:
             document = edits.add_shape(document, in_volume(surface))
+        if item.line and from_line is not None:
+            document = edits.add_shape(document, from_line(simplify_path(item.line)))
         for curve in item.boundary if holes else item.outer_curves:
             few = simplify_path(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))

@@ -17,8 +17,6 @@ from cpm_core.numerics.types import Texts
 _DOCUMENT_PART_NAMES = {
     "shapes": tr("the shapes"),
     "parameters": tr("the parameters"),
-    "marks": tr("decisions about contours"),
-    "hand_edits": tr("edits of contours"),
     "objects": tr("the objects"),
     "comparison": tr("settings of the comparison"),
 }
@@ -38,9 +36,7 @@ def to_session_file(document: Document, view: View, before: SessionFile | None =
         else None,
         shapes=document.shapes,
         parameters=document.parameters,
-        marks=document.marks,
         mode=document.mode,
-        hand_edits=document.hand_edits,
         objects=document.objects,
         outlined=document.outlined,
         comparison=document.comparison,
@@ -74,9 +70,7 @@ def from_session_file(file: SessionFile, image: ImageReference, parameters: Para
         image,
         file.shapes,
         parameters,
-        file.marks,
         cast("Mode", file.mode) if file.mode in MODES else "shape",
-        hand_edits=file.hand_edits,
         objects=file.objects,
         outlined=file.outlined,
         comparison=file.comparison,

@@ -138,7 +138,6 @@ INK_PREFERENCES = {
         ("contour", tr("Contours"), "#eceff3"),
         ("proposal", tr("Proposed objects"), "#62a8ff"),
         ("by_hand", tr("Drawn by hand"), "#c4f042"),
-        ("rejected", tr("Rejected contours"), "#c3c9d1"),
         ("moving", tr("Moving particles"), "#f0e442"),
         ("resting", tr("Particles at rest"), "#2bd4a4"),
     )

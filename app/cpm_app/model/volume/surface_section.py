@@ -13,7 +13,7 @@ import skimage
 from cpm_app.model.document.objects import AnySelection
 from cpm_app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
-from cpm_core.contours import Measures, PackedBody, PackedVoxels, slice_surface
+from cpm_core.contours import PackedBody, PackedVoxels, slice_surface
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Line
@@ -30,27 +30,6 @@ _CACHED_BODY_CUTS = 256
 def cut_surface(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Cut a surface by a slice: closed contours in the slice, and open ones where the surface has a rim."""
     return slice_surface(surface, cut.axis, cut.index)
-
-
-def build_unmeasured_row(contour: Contour, number: int) -> Measures:
-    """Return a row for a cut, which is shown but not listed: only its number and length are known."""
-    return Measures(
-        number=number,
-        label=0,
-        name="",
-        color="",
-        closed=contour.closed,
-        junctions=0,
-        length=contour.length,
-        area=0.0,
-        strength=0.0,
-        contrast=None,
-        inside=0,
-        length_in_units=0.0,
-        area_in_units=0.0,
-        net_area=0.0,
-        net_area_in_units=0.0,
-    )
 
 
 _CLICK_DISTANCE = 1.0

@@ -18,7 +18,6 @@ from cpm_app.model.state.surface_figures import format_surface_figures
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.model.volume.parts import FileParts
 from cpm_app.model.volume.slices import SampledForce
-from cpm_app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from cpm_app.session.timeline.timeline import TimelineState
 from cpm_core import (
     RUN_METHODS,
@@ -35,7 +34,7 @@ from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Callback, Integers, Mask, Texts, frozen, record
+from cpm_core.numerics.types import Callback, Mask, Texts, frozen, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import ImageSeeds
 from cpm_core.warm_up import warm_up_runs, warm_up_volumes
@@ -132,26 +131,17 @@ class Snapshot:
 
 @record
 class Reconstruction:
-    """The contours of a recent snapshot, with manual edits; `tracked` is None for a skeleton.
-
-    `unmatched_edits` are the indices of the edits without a matching contour, known once no other snapshot follows.
-    """
+    """The contours of a recent snapshot."""
 
     generation: int
     result: Result | Skeleton
-    tracked: TrackedContours | None
-    unmatched_edits: Integers = ()
 
     @classmethod
-    def from_result(
-        cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool
-    ) -> Reconstruction:
-        """Identify and measure the contours of a run."""
-        if isinstance(result, Skeleton):
-            return cls(generation, result, None)
-        tracked = tracker.track_contours(result, thorough)
-        format_surface_figures(result.surface)  # measures it on this thread
-        return cls(generation, tracked.result, tracked)
+    def from_result(cls, generation: int, result: Result | Skeleton) -> Reconstruction:
+        """Make the message of a result, and measure its surface on this thread."""
+        if isinstance(result, Result):
+            format_surface_figures(result.surface)
+        return cls(generation, result)
 
 
 @frozen

@@ -1,1 +1,1 @@
-"""Features of the session in addition to a run: review, ground truth, objects, pages, slices, timeline."""
+"""Features of the session in addition to a run: contours, ground truth, objects, pages, slices, timeline."""

@@ -26,7 +26,7 @@ from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
 from cpm_app.session.features.trials import run_trials, scene_from_result, start_for_methods
-from cpm_app.session.scene import ReviewedContours, Scene
+from cpm_app.session.scene import Scene
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.worker.requests import FrameTaken, take_frame
@@ -73,7 +73,7 @@ class ComparisonRow:
     title : str
         Its name.
     found : Result or None
-        Contours that are not rejected, or a surface; None while there are none.
+        Contours or a surface; None while there are none.
     scene : Scene
         Scene of the result, without the image.
     state : str
@@ -167,10 +167,7 @@ class ComparedResults(QObject):
         scene = self._session.scene
         step = scene.snapshot.state.step if scene.snapshot is not None else 0
         title = tr("Kept, step {step}", step=step) if step else tr("Kept")
-        shown = Scene(
-            document=scene.document, snapshot=scene.snapshot, reconstruction=scene.reconstruction,
-            contours=scene.contours,
-        )  # fmt: skip
+        shown = Scene(document=scene.document, snapshot=scene.snapshot, reconstruction=scene.reconstruction)
         self._add_row(ComparisonRow(next(self._keys), title, self._current_result, shown))
 
     def add_branch(self, identity: int) -> None:
@@ -375,12 +372,8 @@ class ComparedResults(QObject):
         if frame.snapshot is None:
             self._change_row(key, {"state": frame.message or tr("This run no longer exists.")})
             return
-        made, marks = frame.contours, document.marks
-        reviewed = ReviewedContours.from_tracked(made.tracked if made else None, marks)
-        shown = Scene(
-            document=Document(mode=document.mode), snapshot=frame.snapshot, reconstruction=made, contours=reviewed
-        )
-        self._change_row(key, {"found": _without_rejected(reviewed), "scene": shown, "state": ""})
+        shown = Scene(document=Document(mode=document.mode), snapshot=frame.snapshot, reconstruction=frame.contours)
+        self._change_row(key, {"found": shown.result, "scene": shown, "state": ""})
 
     @property
     def _current_result(self) -> Result | None:
@@ -389,7 +382,7 @@ class ComparedResults(QObject):
         objects = self._seen.get_named(
             "objects", lambda: build_objects_result(scene.document), scene.document.objects.items
         )
-        return objects or self._seen.get(_without_rejected, scene.contours)
+        return objects or scene.result
 
     def _on_scene_changed(self) -> None:
         """Compare the present result again, and show the selected branch at the same step.
@@ -451,14 +444,6 @@ class ComparedResults(QObject):
         scene, (different, apart) = self._session.scene, marked
         if (truth, different, apart) != (scene.truth, scene.differences, scene.surface_differences):
             self._session.store.set_scene(replace(scene, truth=truth, differences=different, surface_differences=apart))
-
-
-def _without_rejected(reviewed: ReviewedContours) -> Result | None:
-    """Return the result without the rejected contours."""
-    if reviewed.result is None:
-        return None
-    kept = tuple(item.contour for item in reviewed.items if not item.reviewed.rejected)
-    return replace(reviewed.result, contours=kept)
 
 
 def _read_truth(file: Path, image: Image, holes: bool) -> ComparisonRow:

@@ -171,8 +171,9 @@ class FollowedObjects(QObject):
 
 
 def _feed_follower(follower: ObjectFollower, image: Image, document: Document) -> None:
-    """Pass the objects of a page to a follower."""
-    found = {item.number: selection_from_object(item, image.shape) for item in document.objects.items}
+    """Pass the objects of a page to a follower, except for open ones."""
+    closed = (item for item in document.objects.items if item.boundary)
+    found = {item.number: selection_from_object(item, image.shape) for item in closed}
     follower.remember_page(image.gray_levels(document.parameters.channel), found)
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from cpm_app.model.display.page_rows import PageRow, collect_page_rows
-from cpm_app.model.document.contours import run_document
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.objects import build_objects_result
+from cpm_app.model.document.running import run_document
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import FileParts
@@ -21,7 +21,6 @@ from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
 from cpm_app.session.timeline.runs_json import read_valid_entries
 from cpm_app.session.undo_history import UndoHistory
 from cpm_core import Engine, Page, Result, State, load_pages
-from cpm_core.contours import contour_midpoint
 from cpm_core.formats import Pages, Reading, decode_session, encode_session, page_from_json, page_to_json
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
@@ -353,6 +352,5 @@ def run_pages(
             yield PageDone(Page(number, None, error=trouble), document, given)
             continue
         page = follower.add_page(number, result)
-        placed = [{"number": contour.number, "place": list(contour_midpoint(contour))} for contour in page.contours]
         session = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
-        yield PageDone(page, document, given, {**session.runs, "numbers": placed})
+        yield PageDone(page, document, given, session.runs)

@@ -122,8 +122,8 @@ class ObjectBrush(QObject):
         else:
             path = polyline.sample_path(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
             near = [
-                item for item in self._list.objects_near(path, radius)
-                if item.encloses(path).any() or (polyline.distances_to_closed_paths(item.boundary, path) < radius).any()
+                item for item in self._list.objects_near(path, radius) if not item.line and
+                (item.encloses(path).any() or (polyline.distances_to_closed_paths(item.boundary, path) < radius).any())
             ]  # fmt: skip
         return min(near, key=lambda one: (one.number not in selected, one.number != under, one.area), default=None)
 

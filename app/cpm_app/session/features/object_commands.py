@@ -1,4 +1,4 @@
-"""Commands on objects, proposals and contours: accepting, rejecting and editing the selected ones."""
+"""Commands on objects and proposals: accepting, rejecting and editing the selected ones."""
 
 from __future__ import annotations
 
@@ -8,19 +8,17 @@ from typing import Literal, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
-from cpm_app.model.document import contours, objects
-from cpm_app.model.document.contours import MarkTarget
+from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import paint_volume_object
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
-from cpm_app.session.features.contour_review import ContourReview
+from cpm_app.session.features.contour_selection import ContourSelection
 from cpm_app.session.features.object_brush import ObjectBrush
 from cpm_app.session.features.object_list import ObjectList
-from cpm_app.session.features.object_rows import DRAFT_KEY, ObjectRow, RowKey, boundary_lines
+from cpm_app.session.features.object_rows import DRAFT_KEY, ItemKey, ObjectRow
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EDITING_CATEGORY
-from cpm_core.contours import select_bridges_on
 from cpm_core.numerics import Place
 from cpm_core.objects.segmented import (
     Halves,
@@ -36,29 +34,41 @@ Made = TypeVar("Made")
 
 
 class ObjectCommands(QObject):
-    """Accepts, rejects and edits the selected objects, proposals and contours."""
+    """Accepts, rejects and edits the selected objects and proposals, and accepts contours of the run as objects."""
 
     class_begun = Signal(int)
     """A class without a name is used next to another one for the first time."""
 
-    def __init__(self, session: Session, review: ContourReview, object_list: ObjectList, brush: ObjectBrush) -> None:
+    def __init__(
+        self, session: Session, contour_selection: ContourSelection, object_list: ObjectList, brush: ObjectBrush
+    ) -> None:
         super().__init__(session)
-        self._session, self._review, self._list, self._brush = session, review, object_list, brush
+        self._session, self._contour_selection = session, contour_selection
+        self._list, self._brush = object_list, brush
         self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
         session.image_changed.connect(self._merging.drop_waiting)
 
     # Accepting and rejecting
 
-    def accept_pending(self) -> None:
-        """Make objects of proposals and closed contours, and keep open ones; see `ObjectList.rows_to_accept`.
+    @property
+    def can_accept(self) -> bool:
+        """Whether there is anything that Enter accepts."""
+        return bool(self._list.pending_rows or self._contour_selection.selected_indices)
 
-        Rejected rows among them are restored.
+    def accept_pending(self) -> None:
+        """Make objects of proposals, see `ObjectList.rows_to_accept`, and of the selected contours of the run.
+
+        A closed contour becomes an object with its holes, an open one an open object.
         """
         offered, rows = self._list.pending_rows, self._list.rows_to_accept
-        if not rows:
+        result, indices = self._session.scene.result, self._contour_selection.selected_indices
+        copied = [] if result is None or self._list.objects.clicks else objects.copy_contours_to_objects(
+            self._list.objects, result, indices
+        )  # fmt: skip
+        if not rows and not copied:
             self._session.messages.show(tr("There is nothing to accept: click in an object first."))
             return
-        self._accept_rows(tr("accept {what}"), rows)
+        self._accept_rows(tr("accept {what}"), rows, copied=copied)
         self._session.end_gesture()
         if len(rows) < len(offered):
             self._session.messages.show(
@@ -66,28 +76,26 @@ class ObjectCommands(QObject):
             )
 
     def reject_selected(self) -> None:
-        """Dismiss the selected proposals, remove objects, and reject contours, including those along their boundaries.
+        """Dismiss the selected proposals and remove the selected objects, none of which is proposed again.
 
         Without a selection, all proposals are dismissed; the object being selected is dropped.
         """
-        rows = [row for row in self._list.selected_rows or self._list.pending_rows if row.kind != "rejected"]
+        rows = self._list.selected_rows or tuple(self._list.pending_rows)
         draft = any(row.key == DRAFT_KEY for row in rows)
-        offered = [row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != DRAFT_KEY]
+        offered = [row.item for row in rows if row.kind == "proposal" and row.key != DRAFT_KEY]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
-        lines = self._contour_targets(rows)
 
         def reject_rows(document: Document) -> Document:
-            marked = contours.set_verdict(document, lines, "rejected")
             # the draft is not kept as a rejected object: the user selected it, and may select it again
-            marked = objects.set_selection_clicks(marked, ()) if draft else marked
-            return objects.reject_objects(marked, numbers, offered)
+            document = objects.set_selection_clicks(document, ()) if draft else document
+            return objects.reject_objects(document, numbers, offered)
 
         self._edit_rows(tr("reject {what}"), rows, reject_rows)
 
     def delete_selected(self) -> None:
-        """Remove the selected objects, and dismiss or reject the rest; rejected objects are removed for good."""
+        """Remove the selected objects, and dismiss the selected proposals."""
         rows = self._list.selected_rows
-        if all(row.key[0] == "object" for row in rows):
+        if all(row.kind == "object" for row in rows):
             self._edit_rows(
                 tr("delete {what}"), rows, lambda d: objects.delete_objects(d, [row.key[1] for row in rows])
             )
@@ -96,24 +104,17 @@ class ObjectCommands(QObject):
 
     # Editing
 
-    def rename_row(self, key: RowKey, name: str) -> None:
-        """Name a row, unless it has disappeared meanwhile; a proposal or a closed contour is accepted."""
-        rows = [row for row in self._list.rows if row.key == key and row.name != name.strip()]
-        if rows and (rows[0].kind in ("proposal", "closed")):
-            self._accept_rows(tr("name {what}"), rows, lambda d, numbers: objects.rename_objects(d, numbers, name))
-        elif rows and rows[0].contour is not None:
-            targets = self._review.edit_targets([rows[0].contour])
-            self._edit_rows(tr("name {what}"), rows, lambda d: contours.rename_contours(d, targets, name))
-        else:
-            self._edit_rows(tr("name {what}"), rows, lambda d: objects.rename_objects(d, (key[1],), name))
+    def rename_row(self, key: ItemKey, name: str) -> None:
+        """Name a row, unless it has disappeared meanwhile; a proposal is accepted."""
+        rows = [row for row in self._list.rows if row.key == key and row.item.name != name.strip()]
+        self._accept_rows(tr("name {what}"), rows, lambda d, numbers: objects.rename_objects(d, numbers, name))
 
     def classify_selected(self, category: int) -> None:
-        """Set the class of the selected objects and of new ones; proposals and closed contours are accepted.
+        """Set the class of the selected objects and of new ones; proposals are accepted.
 
         Without a selection, the object being selected is accepted.
         """
-        known, selected = self._list.objects, self._list.selected_rows
-        rows = [row for row in selected if row.kind in ("object", "proposal", "closed")]
+        known, rows = self._list.objects, list(self._list.selected_rows)
         if not rows and known.clicks:
             rows = self._list.pending_rows
         used = {item.category for item in known.items}
@@ -127,15 +128,10 @@ class ObjectCommands(QObject):
         self._session.edit(tr("name class"), lambda document: objects.name_class(document, category, name, color))
 
     def color_selected(self, color: str) -> None:
-        """Color the selected objects and contours; an empty color restores the color of their class, or of contours."""
-        rows = [row for row in self._list.selected_rows if row.kind != "proposal"]
-        numbers = [row.item.number for row in rows if row.item is not None]
-        targets = self._review.edit_targets(row.contour for row in rows if row.contour is not None)
-
-        def color_rows(document: Document) -> Document:
-            return objects.update_objects(contours.color_contours(document, targets, color), numbers, color=color)
-
-        self._edit_rows(tr("color {what}"), rows, color_rows)
+        """Color the selected objects; an empty color restores the color of their class."""
+        self.edit_selected(
+            tr("color {what}"), lambda document, numbers: objects.update_objects(document, numbers, color=color)
+        )
 
     def toggle_state(self, state: Literal["frozen", "hidden"]) -> None:
         """Freeze or hide the selected objects, or unfreeze or show them if all of them are frozen or hidden."""
@@ -153,8 +149,8 @@ class ObjectCommands(QObject):
         self._edit_rows(undo_text, rows, lambda document: edit(document, numbers))
 
     def merge_selected(self) -> None:
-        """Merge the selected objects into one; in a volume on another thread."""
-        rows = [row for row in self._list.selected_rows if row.kind in ("object", "proposal", "closed")]
+        """Merge the selected objects and proposals with an area into one; in a volume on another thread."""
+        rows = [row for row in self._list.selected_rows if not row.item.line]
         if not self._session.document.has_volume:
             if len(rows) > 1:
                 self._accept_rows(tr("merge {what}"), rows, objects.merge_objects)
@@ -189,10 +185,6 @@ class ObjectCommands(QObject):
 
         self._change_in_background(items, lambda: fill_between_slices(item.surface[0], axis, image.spacing), add_part)
 
-    def object_of_row(self, row: ObjectRow) -> SegmentedObject | None:
-        """Return the object of a row, or the one that accepting it would make; None if hidden, rejected or open."""
-        return next(iter(self._objects_from_contours([row])), row.drawn)
-
     def split_object_in_volume(self, whole: SegmentedObject, first: Place, second: Place) -> None:
         """Split an object of a volume between two places, on another thread; discarded if it has changed meanwhile."""
         image = self._session.document.image
@@ -219,72 +211,36 @@ class ObjectCommands(QObject):
         undo_text: str,
         rows: Sequence[ObjectRow],
         edit_accepted: Callable[[Document, Collection[int]], Document] = lambda document, _: document,
+        copied: Sequence[SegmentedObject] = (),
     ) -> None:
-        """Make objects of rows, keep open contours, and then edit the objects with the numbers of all of them."""
-        given = [
-            row.item for row in rows if row.item is not None and row.kind != "object"
-        ] + self._objects_from_contours(rows)
-        kept, undecided = (
-            self._contour_targets([row for row in rows if row.kind == kind]) for kind in ("open", "rejected")
-        )
+        """Make objects of rows and of `copied` contours, and then edit the objects with the numbers of all of them."""
+        given = [*(row.item for row in rows if row.kind == "proposal"), *copied]
         ends = any(row.key == DRAFT_KEY for row in rows)
         old = {row.key[1] for row in rows if row.kind == "object"}
         numbers: list[int] = []
 
         def accept_and_edit(document: Document) -> Document:
             before = {item.number for item in document.objects.items}
-            document = contours.set_verdict(contours.set_verdict(document, kept, "kept"), undecided, "")
             document = objects.accept_objects(document, given, ends=ends)
             changed = old | {item.number for item in given}
             numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
             return edit_accepted(document, numbers)
 
         with self._session.store.defer_status():
-            self._edit_rows(undo_text, rows, accept_and_edit)
+            self._edit_rows(undo_text, rows, accept_and_edit, len(copied))
             if given:
                 self._list.select_objects(item.number for item in self._list.objects.items if item.number in numbers)
 
-    def _contour_targets(self, rows: Sequence[ObjectRow]) -> list[MarkTarget]:
-        """Return the targets of the contours of rows, and of contours along the boundaries of rows."""
-        apart = {
-            item.key for item in self._review.not_on_boundary(boundary_lines(row.item for row in rows if row.item))
-        }
-        left = apart - {row.contour.key for row in rows if row.contour}
-        return self._review.edit_targets(item for item in self._review.items if item.key not in left)
-
-    def _objects_from_contours(self, rows: Sequence[ObjectRow]) -> list[SegmentedObject]:
-        """Make objects of the closed contours of rows, not accepted yet: each with its direct holes, and bridges.
-
-        A contour in a hole of a selected one bounds an object of its own again.
-        """
-        known, result = self._list.objects, self._review.result
-        closed = {item.measures.number: item for item in self._review.items
-                  if item.contour.closed and not item.reviewed.rejected}  # fmt: skip
-        selected = {row.contour.measures.number for row in rows if row.kind == "closed" and row.contour is not None}
-
-        def enclosing(number: int) -> list[int]:
-            found: list[int] = []
-            while number := closed[number].measures.inside if number in closed else 0:
-                found.append(number)
-            return [each for each in found if each in closed]
-
-        made = []
-        for number in sorted(selected):
-            outer = enclosing(number)
-            highest = next((depth for depth in reversed(range(len(outer))) if outer[depth] in selected), -1)
-            if result is not None and highest % 2:  # enclosed by none, or by an even number of contours
-                holes = [each for each in closed if enclosing(each)[:1] == [number]]
-                bounds = [closed[each].contour for each in (number, *holes)]
-                gaps = (bridge.points for bridge in select_bridges_on(result.bridges, bounds))
-                made.append(objects.object_from_contours(known.next_number, known.category, bounds, gaps))
-        return made
-
-    def _edit_rows(self, undo_text: str, rows: Sequence[ObjectRow], edit: Callable[[Document], Document]) -> None:
-        """Edit the document, as an undo step that names the edited rows."""
-        lines = all(row.contour is not None for row in rows)
-        several = tr("{count} contours") if lines else tr("{count} objects")
-        what = rows[0].title if len(rows) == 1 else several.format(count=len(rows))
-        if rows or "{what}" not in undo_text:
+    def _edit_rows(
+        self, undo_text: str, rows: Sequence[ObjectRow], edit: Callable[[Document], Document], contours: int = 0
+    ) -> None:
+        """Edit the document, as an undo step that names the edited rows and the number of accepted contours."""
+        count = len(rows) + contours
+        several = tr("{count} objects") if rows else tr("{count} contours")
+        what = several.format(count=count)
+        if count == 1:
+            what = rows[0].title if rows else tr("contour")
+        if count or "{what}" not in undo_text:
             self._session.edit(undo_text.format(what=what), edit)
 
     def _change_in_background(

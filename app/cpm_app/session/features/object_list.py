@@ -1,4 +1,4 @@
-"""One list of objects, proposals and contours, and the selection among them."""
+"""The list of objects and proposals, and the selection among them and the contours."""
 
 from __future__ import annotations
 
@@ -11,17 +11,14 @@ from PySide6.QtCore import QObject, Signal
 from cpm_app.model.document import objects
 from cpm_app.model.volume.surface_section import object_contains, object_size
 from cpm_app.session.features.background import IdentityCache, is_same_input
-from cpm_app.session.features.contour_review import ContourReview
+from cpm_app.session.features.contour_selection import CONTOUR_PREFERENCE, ContourSelection
 from cpm_app.session.features.object_measures import ObjectMeasurer
 from cpm_app.session.features.object_rows import (
     DRAFT_KEY,
+    ItemKey,
     ObjectRow,
-    RowKey,
-    boundary_lines,
     list_rows,
     objects_from_proposals,
-    row_contains,
-    row_size,
 )
 from cpm_app.session.session import Session
 from cpm_core.numerics import Array, Place, Position, polyline
@@ -32,16 +29,16 @@ MIN_SURE_CONFIDENCE = 0.7
 
 
 class ObjectList(QObject):
-    """Lists objects, proposals and contours, finds them at places, and selects among them."""
+    """Lists objects and proposals, and finds and selects them and the contours of the run."""
 
     changed = Signal()
     """The rows, their classes or their gray values have changed."""
     selection_changed = Signal()
     """The selection has changed."""
 
-    def __init__(self, session: Session, review: ContourReview) -> None:
+    def __init__(self, session: Session, contour_selection: ContourSelection) -> None:
         super().__init__(session)
-        self._session, self._review = session, review
+        self._session, self._contour_selection = session, contour_selection
         self._listed_inputs: tuple[object, ...] = ()
         """Objects, image and proposals that the rows were made from."""
         self._parts = IdentityCache()
@@ -51,8 +48,7 @@ class ObjectList(QObject):
         session.document_changed.connect(self._on_scene_changed)
         session.store.scene_changed.connect(self._on_scene_changed)
         self.measurer.measured.connect(self.changed)
-        review.changed.connect(self.changed)
-        review.selection_changed.connect(self.selection_changed)
+        contour_selection.selection_changed.connect(self.selection_changed)
 
     # State
 
@@ -74,19 +70,14 @@ class ObjectList(QObject):
 
     @property
     def rows(self) -> tuple[ObjectRow, ...]:
-        """All rows: objects, proposals, contours that bound none of them, closed ones first, and rejected ones."""
+        """All rows: objects, and then proposals."""
         scene, image = self._session.scene, self._session.image
-        made_of = self.objects, scene.objects.proposals, scene.contours, self.measurer.figures, image
+        made_of = self.objects, scene.objects.proposals, self.measurer.figures, image
         return self._parts.get_named("rows", self._list_rows, *made_of)
 
     def _list_rows(self) -> tuple[ObjectRow, ...]:
-        known, proposals, offered = self.objects, self._session.scene.objects.proposals, self._offered_objects
-        lines = boundary_lines((*known.items, *offered, *known.rejected))
-        alike = frozenset(map(id, lines))  # unchanged when a proposal becomes an object
-        separate, _ = self._parts.get_named(  # with the lines, because the identity of a deleted one could come again
-            "separate", lambda: (self._review.not_on_boundary(lines), lines), self._session.scene.contours, alike
-        )
-        return list_rows(known, proposals, offered, separate, self.measurer.figures_of)
+        proposals = self._session.scene.objects.proposals
+        return list_rows(self.objects, proposals, self._offered_objects, self.measurer.figures_of)
 
     @property
     def _offered_objects(self) -> tuple[SegmentedObject, ...]:
@@ -94,12 +85,12 @@ class ObjectList(QObject):
         return self._parts.get(objects_from_proposals, self._session.scene.objects.proposals, self.objects)
 
     @property
-    def selected_keys(self) -> frozenset[RowKey]:
-        """Keys of the selected rows."""
+    def selected_keys(self) -> frozenset[ItemKey]:
+        """Keys of everything that is selected."""
         scene = self._session.scene
         return frozenset((
             *(("object" if number > 0 else "proposal", number) for number in scene.objects.selected),
-            *(("contour", key) for key in scene.selected_contours),
+            *(("contour", index) for index in scene.selected_contours),
         ))  # fmt: skip
 
     @property
@@ -123,64 +114,58 @@ class ObjectList(QObject):
 
     def objects_near(self, places: Array, distance: float) -> list[SegmentedObject]:
         """Find the shown objects whose bounding boxes are within `distance` of places, shape (N, 2) [px]."""
-        shown = [item for item in self.objects.items if not item.hidden and item.boundary]
-        low, high = np.array([item.box for item in shown]).reshape(-1, 2, 2).swapaxes(0, 1)
-        meets = ((low <= places.max(axis=0) + distance) & (high >= places.min(axis=0) - distance)).all(axis=1)
-        return [item for item, near in zip(shown, meets.tolist(), strict=True) if near]
+        return _items_near(self.objects.items, places, distance)
 
-    def row_at(self, place: Place, distance: float, inside_counts: bool = True) -> RowKey | None:
-        """Find the row at a place: a contour within `distance` [px], or else the smallest row that contains it.
+    def item_at(self, place: Place, distance: float) -> ItemKey | None:
+        """Find what lies at a place: an outline or a contour within `distance` [px], or else the smallest area.
 
-        The inside of a closed contour counts only if `inside_counts`; the inside of objects and proposals always does.
+        Contours along the outlines of objects and proposals yield to these.
         """
-        lines = self._review.contours_near(place, distance) if len(place) == 2 else []
-        listed = {row.key for row in self.rows}
-        for item in lines:
-            if ("contour", item.key) in listed:
-                return "contour", item.key
-        close = (
-            {("object", item.number) for item in self.objects_near(np.array([place]), 0.0)}
-            if len(place) == 2
-            else listed
+        rows = {id(row.item): row for row in self.rows}
+        if len(place) == 3:
+            around = [row.item for row in self.rows if not row.item.hidden and object_contains(row.item, place)]
+        else:
+            at = np.array([place], float)
+            near = _items_near([row.item for row in self.rows], at, distance)
+            found: list[tuple[float, ItemKey]] = []
+            for item in near:
+                away = min(polyline.distances_to_path(path, at)[0] for path in item.paths)
+                if away <= distance:
+                    found.append((float(away) - CONTOUR_PREFERENCE, rows[id(item)].key))
+            for index in self._contour_selection.contours_near(place, distance)[:1]:
+                path = self._session.scene.contours[index].path
+                found.append((polyline.distance_to_path(path, place), ("contour", index)))
+            if found:
+                return min(found)[1]
+            around = [item for item in near if item.encloses(at)[0]]
+        return rows[id(min(around, key=object_size))].key if around else None
+
+    def items_inside(self, outline: Sequence[Position]) -> frozenset[ItemKey]:
+        """Find what lies at least half inside a closed outline of (row, col); contours only if nothing else does."""
+        shown = ((row.key, row.item.paths) for row in self.rows if not row.item.hidden)
+        found = frozenset(
+            key
+            for key, paths in shown
+            if paths and polyline.points_inside(outline, np.concatenate(paths)).mean() >= 0.5
         )
-        rows = [row for row in self.rows if row.key in close or (row.kind != "object" and (inside_counts or row.item))]
-        around = [row for row in rows if row_contains(row, place)]
-        if around:
-            return min(around, key=row_size).key
-        away = [
-            (polyline.distances_to_closed_paths(row.drawn.boundary, np.array([place]))[0], row.key)
-            for row in self.rows if lines and row.drawn is not None and row.drawn.boundary
-        ]  # fmt: skip
-        return min(away)[1] if away else None
-
-    def rows_inside(self, outline: Sequence[Position]) -> frozenset[RowKey]:
-        """Find the keys of the shown rows at least half inside a closed outline of places (row, col)."""
-        contours = self._review.contours_inside(outline)
-
-        def is_inside(row: ObjectRow) -> bool:
-            if row.contour is not None:
-                return row.contour.key in contours
-            corners = row.drawn.boundary if row.drawn is not None else ()
-            return bool(corners) and bool(polyline.points_inside(outline, np.concatenate(corners)).mean() >= 0.5)
-
-        return frozenset(row.key for row in self.rows if is_inside(row))
+        return found or frozenset(("contour", index) for index in self._contour_selection.contours_inside(outline))
 
     # Selecting
 
-    def select_rows(self, keys: Iterable[RowKey]) -> None:
-        """Select only these rows."""
+    def select_items(self, keys: Iterable[ItemKey]) -> None:
+        """Select only these objects, proposals and contours."""
         keys = list(keys)
-        lines = [number for kind, number in keys if kind == "contour"]
-        self._review.select(lines, (number for kind, number in keys if kind != "contour"))
+        contours = [index for kind, index in keys if kind == "contour"]
+        self._contour_selection.select(contours, (number for kind, number in keys if kind != "contour"))
 
     def select_objects(self, numbers: Iterable[int]) -> None:
         """Select only the objects of these numbers, and the proposals of these keys."""
-        self._review.select(objects=numbers)
+        self._contour_selection.select(objects=numbers)
 
-    def set_hovered_row(self, key: RowKey | None) -> None:
-        """Highlight a row, or nothing."""
+    def set_hovered_item(self, key: ItemKey | None) -> None:
+        """Highlight an object, a proposal or a contour, or nothing."""
         kind, number = key or ("", 0)
-        self._review.set_hovered(number if kind == "contour" else None)
+        self._contour_selection.set_hovered(number if kind == "contour" else None)
         scene = self._session.scene
         hovered = 0 if kind == "contour" else number
         if hovered != scene.objects.hovered:
@@ -190,7 +175,7 @@ class ObjectList(QObject):
 
     @property
     def pending_rows(self) -> list[ObjectRow]:
-        """Rows that can be accepted: the object being selected, else the selected rows, else all proposals."""
+        """Rows that can be accepted: the object being selected, else the selected proposals, else all if nothing is."""
         if self.objects.clicks:
             return [row for row in self.rows if row.key == DRAFT_KEY]
         selected = [row for row in self.selected_rows if row.kind != "object"]
@@ -200,7 +185,7 @@ class ObjectList(QObject):
     def rows_to_accept(self) -> list[ObjectRow]:
         """The `pending_rows` that Enter accepts: doubtful ones among others only if they are selected."""
         rows, picked = self.pending_rows, bool(self.selected_keys)
-        sure = [row for row in rows if picked or (row.item is not None and row.item.confidence >= MIN_SURE_CONFIDENCE)]
+        sure = [row for row in rows if picked or row.item.confidence >= MIN_SURE_CONFIDENCE]
         return sure or rows
 
     # Measuring
@@ -227,13 +212,21 @@ class ObjectList(QObject):
         if is_same_input(seen, self._listed_inputs):
             return
         self._listed_inputs = seen
-        numbers = {item.number for item in (*known.items, *known.rejected)}
+        numbers = {item.number for item in known.items}
         numbers |= {each.key for each in scene.objects.proposals}
-        self._review.select(scene.selected_contours, scene.objects.selected & numbers)
+        self._contour_selection.select(scene.selected_contours, scene.objects.selected & numbers)
         self._measure_missing()
         self.changed.emit()
 
     def _measure_missing(self) -> None:
         if not self._measuring_paused:
             known = self.objects
-            self.measurer.measure_objects((*known.items, *known.rejected, *self._offered_objects))
+            self.measurer.measure_objects((*known.items, *self._offered_objects))
+
+
+def _items_near(items: Sequence[SegmentedObject], places: Array, distance: float) -> list[SegmentedObject]:
+    """Find the shown ones of objects in an image whose bounding boxes are within `distance` of places."""
+    shown = [item for item in items if not item.hidden and item.paths]
+    low, high = np.array([item.box for item in shown]).reshape(-1, 2, 2).swapaxes(0, 1)
+    meets = ((low <= places.max(axis=0) + distance) & (high >= places.min(axis=0) - distance)).all(axis=1)
+    return [item for item, near in zip(shown, meets.tolist(), strict=True) if near]

@@ -96,7 +96,7 @@ class ObjectMeasurer(QObject):
 
 
 def _surface_or_boundary(item: SegmentedObject) -> object:
-    return item.surface or item.boundary
+    return item.surface or item.boundary or item.line
 
 
 def gray_histogram(values: Array, image: Image) -> tuple[int, ...]:

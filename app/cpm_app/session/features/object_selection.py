@@ -326,7 +326,7 @@ class ObjectSelection(QObject):
         On a large image, or if the starts come from the previous page, there are none unless the tool for objects is in
         use.
         """
-        document, result = self._session.document, self._session.scene.contours.result
+        document, result = self._session.document, self._session.scene.result
         if result is None or not result.stop_reason:
             return ()
         if not self._in_use and (math.prod(result.shape) > MAX_OFFERED_PIXELS or not self._pages.is_drawn(document)):
@@ -335,7 +335,7 @@ class ObjectSelection(QObject):
 
     def _on_scene_changed(self) -> None:
         """Offer the objects of a run once it has ended, but none of one that has been reset or continues."""
-        result = self._session.scene.contours.result
+        result = self._session.scene.result
         over = result is not None and bool(result.stop_reason)
         if over != self._run_ended:
             self._run_ended = over
@@ -386,9 +386,9 @@ class ObjectSelection(QObject):
             self._set_proposals(())
             return
         changed = self._request is not None and known.items is not self._request.selector.items
-        gone = {item.clicks for item in known.items} if changed else set()  # accepted meanwhile
+        gone = {click for item in known.items for click in item.clicks} if changed else set()  # accepted meanwhile
         self._set_proposals(
-            tuple(each for each in self.proposals if each.clicks not in gone and (each.key or known.clicks))
+            tuple(each for each in self.proposals if not gone.issuperset(each.clicks) and (each.key or known.clicks))
         )
         pointed, stepped = None, None
         if self._pointed is not None:

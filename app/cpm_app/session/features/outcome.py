@@ -38,7 +38,7 @@ def _describe_proposals(workspace: Workspace, offered: Sequence[ObjectRow]) -> s
     accepted = [row for row in listed.rows_to_accept if row.kind == "proposal"]
     if not accepted:
         return ""
-    doubtful = sum(row.item is None or row.item.confidence < MIN_SURE_CONFIDENCE for row in offered)
+    doubtful = sum(row.item.confidence < MIN_SURE_CONFIDENCE for row in offered)
     one = len(accepted) == 1
     if listed.selected_keys:
         sentence = tr("{chosen} of {count} objects are selected. Enter accepts them · {key:reject}: reject them")

@@ -349,7 +349,7 @@ class Selector:
 
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:
-        """The offered objects, except for rejected and frozen ones.
+        """The offered objects, except for rejected and frozen ones, and for parts of merged or corrected ones.
 
         An existing object is offered only if a start would change it, and never in a volume.
         """
@@ -357,7 +357,9 @@ class Selector:
         if isinstance(partition, VolumePartition):
             return tuple(self._propose_bodies(partition, offer.starts))
         found = _remove_covered(self._propose_from_starts(partition, offer.starts), offer.rejected)
-        return (*found, *_remove_covered(offer.found, (*self.items, *offer.rejected)))
+        found += _remove_covered(offer.found, (*self.items, *offer.rejected))
+        known = [frozenset(item.clicks) for item in self.items]
+        return tuple(each for each in found if not any(frozenset(each.clicks) < clicks for clicks in known))
 
     def _propose_from_starts(self, partition: Partition, starts: Sequence[SeededStart]) -> list[Proposal]:
         """Propose the objects in which runs were started."""

@@ -15,15 +15,14 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.edits import ShapeHit, find_shape_at
 from cpm_app.model.volume.shape_sections import Section, cut_shape
 from cpm_app.model.volume.slices import SampledForce, Slice, Slices
-from cpm_app.model.volume.surface_section import build_unmeasured_row, cut_objects, cut_selection, cut_skeleton
+from cpm_app.model.volume.surface_section import cut_objects, cut_selection, cut_skeleton
 from cpm_app.model.volume.surface_section import cut_surface as lines_of
 from cpm_app.session.exchange.messages import Reconstruction, Snapshot
 from cpm_app.session.features.background import AsyncCache, IdentityCache
-from cpm_app.session.scene import NO_CONTOURS, ContourItem, NearParticles, ReviewedContours, Scene, ShownObjects
+from cpm_app.session.scene import NearParticles, Scene, ShownObjects
 from cpm_app.session.session import Session
 from cpm_app.session.worker.requests import ForcesProbed
 from cpm_core import Image, Skeleton
-from cpm_core.contours import ReviewedContour
 from cpm_core.numerics import Array, Index, Place
 from cpm_core.numerics.types import JsonObject
 from cpm_core.objects.segmented import SegmentedObjects
@@ -34,9 +33,6 @@ MAX_SYNC_PIXELS = 1 << 21
 
 MAX_SYNC_FACES = 20_000
 """Largest number of faces of a surface that is cut at once: 200,000 take 25 ms in each of three views."""
-
-SliceLines = tuple[Reconstruction | None, ReviewedContours]
-"""Result in a slice: center lines, or the contours in which it cuts the surface."""
 
 SliceOverlay = DisplayImage | Array
 """Overlay of a slice: an image, or arrows of a field."""
@@ -57,7 +53,7 @@ class Sections:
         self.axis = axis
         self.later = later
         self._parts = IdentityCache()
-        self._shown: tuple[Slice, SliceLines] | None = None
+        self._shown: tuple[Slice, Reconstruction | None] | None = None
 
     def from_scene(self, scene: Scene) -> Scene:
         """Make the scene of a slice from the scene of a volume; any other scene is returned as it is."""
@@ -70,7 +66,6 @@ class Sections:
         cut = part(cut_objects, scene.document.objects, here)
         document, places = part(_slice_document, scene.document, here, volume, cut)
         near = part(_find_near_particles, scene.snapshot, here, volume, reach)
-        reconstruction, contours = self._slice_lines(scene.reconstruction, here)
         seeds = scene.image_seeds
         return Scene(
             image,
@@ -80,8 +75,7 @@ class Sections:
             places.get(scene.selected_shape),
             self._parts.get_named("seeds", lambda: _slice_seeds(seeds, here, volume, reach), seeds, here, reach),
             snapshot=part(_slice_snapshot, scene.snapshot, near, here),
-            reconstruction=reconstruction,
-            contours=contours,
+            reconstruction=self._slice_lines(scene.reconstruction, here),
             overlays=self._slice_overlays(scene, here, image),
             probed=part(_slice_forces, scene.probed, here, volume, reach),
             truth=part(cut_truth, scene.truth, here),
@@ -92,7 +86,7 @@ class Sections:
             near_particles=near,
         )
 
-    def _slice_lines(self, found: Reconstruction | None, here: Slice) -> SliceLines:
+    def _slice_lines(self, found: Reconstruction | None, here: Slice) -> Reconstruction | None:
         """Cut a result by a slice; a large surface is cut later, and its last cut is shown meanwhile."""
         before, faces = self._shown, len(getattr(getattr(found.result, "surface", None), "faces", ())) if found else 0
         if self.later is None or faces <= MAX_SYNC_FACES or before is None or before[0] != here:
@@ -208,19 +202,15 @@ def _slice_snapshot(snapshot: Snapshot | None, near: NearParticles | None, here:
     return replace(snapshot, position=position, resting=snapshot.resting[near.index])
 
 
-def _slice_result(reconstruction: Reconstruction | None, here: Slice) -> SliceLines:
+def _slice_result(reconstruction: Reconstruction | None, here: Slice) -> Reconstruction | None:
     """Return the center lines in the slice, or else the lines in which it cuts the surface."""
     if reconstruction is None:
-        return None, NO_CONTOURS
-    if isinstance(reconstruction.result, Skeleton):
-        return replace(reconstruction, result=cut_skeleton(reconstruction.result, here)), NO_CONTOURS
-    surface = reconstruction.result.surface
-    lines = () if surface is None else tuple(lines_of(surface, here))
-    items = (
-        ContourItem(number, ReviewedContour(contour, None, number), build_unmeasured_row(contour, number + 1))
-        for number, contour in enumerate(lines)
-    )
-    return None, ReviewedContours(tuple(items)) if lines else NO_CONTOURS
+        return None
+    found = reconstruction.result
+    if isinstance(found, Skeleton):
+        return replace(reconstruction, result=cut_skeleton(found, here))
+    lines = () if found.surface is None else tuple(lines_of(found.surface, here))
+    return replace(reconstruction, result=replace(found, contours=lines, surface=None))
 
 
 def hit_shape(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> ShapeHit | None:

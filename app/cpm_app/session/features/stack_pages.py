@@ -16,7 +16,7 @@ from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import FilesExported, ImageOpened, Report, SavedSession
 from cpm_app.session.features.background import LatestOnlyWorker
-from cpm_app.session.features.contour_review import ContourReview
+from cpm_app.session.features.contour_selection import ContourSelection
 from cpm_app.session.features.kept_pages import (
     EMPTY_TABLE,
     KeptPage,
@@ -46,7 +46,6 @@ from cpm_core.contours import compute_centroid
 from cpm_core.formats import ImageFile, describe_shapes, export_stack
 from cpm_core.numerics.types import JsonObject
 from cpm_core.pages import StackResult
-from cpm_core.results import apply_marks
 from cpm_core.shapes import Start, starts_from_contours
 
 _LINK_DELAY = 200
@@ -70,7 +69,7 @@ class StackPages(QObject):
     results_changed = Signal()
     """The results of all pages have changed: `result`."""
 
-    def __init__(self, session: Session, review: ContourReview) -> None:
+    def __init__(self, session: Session, contour_selection: ContourSelection) -> None:
         super().__init__(session)
         self.following = True
         """Whether each page starts from the contours of the previous one."""
@@ -102,8 +101,8 @@ class StackPages(QObject):
             )
         )
         self._wanted_row: PageRow | None = None
-        self._review = review
-        review.changed.connect(self._select_wanted)
+        self._contour_selection = contour_selection
+        contour_selection.changed.connect(self._select_wanted)
         self.changed.connect(self._select_wanted)
         session.store.add_listener(ImageOpened, self._on_image_opened)
 
@@ -208,18 +207,19 @@ class StackPages(QObject):
             self._wanted_row = None
         elif self.number == row.page and row.is_object:
             self._wanted_row = None
-            self._review.select(objects=(row.track,))
+            self._contour_selection.select(objects=(row.track,))
         elif self.number == row.page:
             length, place = row.measures.length, (row.row, row.col)
-            away = {item: math.dist(compute_centroid(item.contour), place) for item in self._review.items}
-            near = min(away, key=away.__getitem__, default=None)
+            contours = self._session.scene.contours
+            away = [math.dist(compute_centroid(contour), place) for contour in contours]
+            near = min(range(len(away)), key=away.__getitem__, default=None)
             if (
                 near is not None
                 and away[near] <= _SAME_CENTER_DISTANCE
-                and abs(near.measures.length - length) <= _SAME_LENGTH_TOLERANCE * length
+                and abs(contours[near].length - length) <= _SAME_LENGTH_TOLERANCE * length
             ):
                 self._wanted_row = None
-                self._review.select((near.key,))
+                self._contour_selection.select((near,))
 
     def _open_wanted_page(self) -> None:
         """Keep the state of the open page, and open the requested one."""
@@ -355,14 +355,14 @@ class StackPages(QObject):
     def _on_scene_changed(self) -> None:
         """Keep the contours of the open page, once its run is at rest."""
         scene = self._session.scene
-        tracked, shown = scene.contours.tracked, scene.contours.result
+        shown = scene.result
         if self.count and self._measured.get(self.number, (None,))[0] is not scene.document.objects:
             self._link_soon()
-        if not self.count or tracked is None or shown is None or self._session.status.phase == "running":
+        if not self.count or shown is None or self._session.status.phase == "running":
             return
         if shown is not self._last_result:
             self._last_result = shown
-            self._found_pages[self.number] = Page(self.number, apply_marks(shown, scene.document.marks))
+            self._found_pages[self.number] = Page(self.number, shown)
             self._link_soon()
 
     def _link_soon(self) -> None:

@@ -9,14 +9,13 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 from cpm_app.model.display.comparison import Trial
-from cpm_app.model.document.contours import run_document
 from cpm_app.model.document.document import Document
+from cpm_app.model.document.running import run_document
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.contour_tracking import TrackedContours
 from cpm_app.session.exchange.messages import Reconstruction, explain_failure
-from cpm_app.session.scene import ReviewedContours, Scene
+from cpm_app.session.scene import Scene
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
-from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, iterate_method, measure, report_run
+from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, iterate_method, report_run
 from cpm_core.methods import build_method_result
 from cpm_core.numerics import count_cores
 from cpm_core.shapes import SeedCache, drawn_outlines
@@ -29,12 +28,7 @@ def start_for_methods(document: Document) -> Start:
 
 def scene_from_result(found: Result) -> Scene:
     """Make the scene of a result that is not of the session's run."""
-    if found.surface is not None:
-        return Scene(reconstruction=Reconstruction(0, found, None))
-    measures = measure(found.contours, found.spacing, contrast=False)
-    return Scene(
-        contours=ReviewedContours.from_tracked(TrackedContours(found, tuple(range(len(measures))), measures), ())
-    )
+    return Scene(reconstruction=Reconstruction(0, found))
 
 
 def run_trials(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.comparison import ComparedResults
-from cpm_app.session.features.contour_review import ContourReview
+from cpm_app.session.features.contour_selection import ContourSelection
 from cpm_app.session.features.followed_objects import FollowedObjects
-from cpm_app.session.features.hand_editing import HandEditing
 from cpm_app.session.features.object_brush import ObjectBrush
 from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_selection import ObjectSelection
+from cpm_app.session.features.outline_editing import OutlineEditing
 from cpm_app.session.features.skeleton import SkeletonUpdater
 from cpm_app.session.features.slices import SliceNavigation
 from cpm_app.session.features.stack_pages import StackPages
@@ -23,12 +23,12 @@ class Workspace:
 
     def __init__(self, core: CoreFunctions | None = None) -> None:
         self.session = Session(core)
-        self.review = ContourReview(self.session)
-        self.hand_editing = HandEditing(self.session, self.review)
-        self.object_list = ObjectList(self.session, self.review)
+        self.contour_selection = ContourSelection(self.session)
+        self.outline_editing = OutlineEditing(self.session, self.contour_selection)
+        self.object_list = ObjectList(self.session, self.contour_selection)
         self.object_brush = ObjectBrush(self.session, self.object_list)
-        self.object_commands = ObjectCommands(self.session, self.review, self.object_list, self.object_brush)
-        self.pages = StackPages(self.session, self.review)
+        self.object_commands = ObjectCommands(self.session, self.contour_selection, self.object_list, self.object_brush)
+        self.pages = StackPages(self.session, self.contour_selection)
         self.followed_objects = FollowedObjects(self.session, self.pages)
         self.object_selection = ObjectSelection(self.session, self.object_list, self.pages, self.followed_objects)
         self.skeleton_updater = SkeletonUpdater(self.session)

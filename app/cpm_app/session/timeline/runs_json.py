@@ -54,9 +54,8 @@ from cpm_core.formats import (
     state_to_json,
     to_json,
 )
-from cpm_core.numerics import Position
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import JsonDict, JsonObject, frozen
+from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import quote_value
 
@@ -67,14 +66,6 @@ MAX_BRANCH_STEPS = 200_000
 """Largest number of steps of a branch that are read."""
 
 Entry = TypeVar("Entry")
-
-
-@frozen
-class _NumberedContour:
-    """Number of a contour, with a place on it."""
-
-    number: int
-    place: Position
 
 
 def runs_to_json(stored: StoredRuns) -> JsonObject:
@@ -96,8 +87,7 @@ def runs_to_json(stored: StoredRuns) -> JsonObject:
         else:
             remaining -= size
     here = None if stored.shown_step is None else list(stored.shown_step)
-    numbers = [to_json(_NumberedContour(number, place)) for number, place in stored.numbers.items()]
-    return {"here": here, "runs": runs, "states": states, "numbers": numbers}
+    return {"here": here, "runs": runs, "states": states}
 
 
 @lru_cache(2 * MAX_TIMELINE_RUNS)
@@ -125,12 +115,7 @@ def runs_from_json(plain: JsonObject, image: ImageReference) -> tuple[StoredRuns
             _read_state(entry, branches, image) if entry.get("branch") in branches else None
         )  # the oldest may be left out
 
-    def read_number(entry: JsonObject) -> tuple[int, Position]:
-        contour = from_json(_NumberedContour, entry, "number of a contour")
-        return contour.number, contour.place
-
     states = dict(filter(None, read_valid_entries(plain, "states", read_state, faults)))
-    numbers = dict(read_valid_entries(plain, "numbers", read_number, faults))
     here = None
     try:
         branch, step = (int(expect_number(one, "here")) for one in plain.get("here") or (0, 0))
@@ -139,7 +124,7 @@ def runs_from_json(plain: JsonObject, image: ImageReference) -> tuple[StoredRuns
         faults.append(error)
     message = tr("Part of the recorded runs is damaged and was skipped ({fault}); everything else was opened.")
     fault = message.format(fault=explain_error(faults[0]).rstrip(".")) if faults else ""
-    return StoredRuns(tuple(runs), here, states, numbers), fault
+    return StoredRuns(tuple(runs), here, states), fault
 
 
 def read_valid_entries(
@@ -168,9 +153,7 @@ def _run_to_json(run: StoredRun) -> JsonDict:
         branches.append(plain)
     document = run.document
     acting = document.objects.barriers or document.outlined.objects  # a run depends on objects only then
-    bare = replace(
-        to_session_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison
-    )
+    bare = replace(to_session_file(document, {}), image=None, comparison=SessionFile().comparison)
     return {
         "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
         "document": json.loads(encode_session(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),

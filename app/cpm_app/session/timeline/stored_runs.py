@@ -8,7 +8,7 @@ from dataclasses import field
 
 from cpm_app.model.document.document import Document
 from cpm_app.session.timeline.timeline_nodes import BranchStep, RunAction
-from cpm_core.numerics import Array, Position
+from cpm_core.numerics import Array
 from cpm_core.numerics.types import frozen, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Points, Start
@@ -69,15 +69,11 @@ class StoredRun:
 
 @record
 class StoredRuns:
-    """All runs, the oldest first, the shown branch and step, and states that need not be recomputed.
-
-    `numbers` are the numbers of contours, each with a place on its contour.
-    """
+    """All runs, the oldest first, the shown branch and step, and states that need not be recomputed."""
 
     runs: tuple[StoredRun, ...] = ()
     shown_step: BranchStep | None = None
     states: Mapping[BranchStep, MethodState] = field(default_factory=dict)
-    numbers: Mapping[int, Position] = field(default_factory=dict)
 
 
 def starts_from_sources(sources: Counter[Hashable]) -> tuple[Start, ...]:

@@ -43,7 +43,7 @@ from cpm_core.shapes import NO_SEEDS
 
 RunArguments = ParamSpec("RunArguments")
 
-_SETTING_METHODS = (Run.set_parameters, Run.set_start, Run.set_charges, Run.set_regions, Run.set_hand_edits)
+_SETTING_METHODS = (Run.set_parameters, Run.set_start, Run.set_charges, Run.set_regions)
 """Methods that replace what an earlier call has set."""
 
 _TIMELINE_CHANGING_METHODS = (Run.discard_state, Run.rename_branch, Run.remove_branch, Run.set_timeline_budget)

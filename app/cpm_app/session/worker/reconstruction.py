@@ -10,17 +10,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.contour_tracking import ContourTracker
 from cpm_app.session.exchange.mailbox import Mailbox
 from cpm_app.session.exchange.messages import Reconstruction, ReconstructionFailed, explain_failure
 from cpm_core import Method, Parameters, Result, Skeleton
-from cpm_core.contours import HandEdit
-from cpm_core.model import ImageFields
-from cpm_core.numerics.types import Integers, record
-from cpm_core.results import apply_edits_to_result
+from cpm_core.numerics.types import record
 from cpm_core.segmentation import MethodState
 
 _SHORTEST_PAUSE = 0.15
@@ -38,40 +32,20 @@ _CHECK_INTERVAL = 0.05
 
 @record
 class ReconstructionRequest:
-    """A state to reconstruct contours from; if `last`, none follows soon and there is no pause before it.
-
-    Without a state there are only the contours drawn by hand. `hand_edits` are the manual edits of contours, `tracker`
-    numbers the contours of the image.
-    """
+    """A state to reconstruct contours from; if `last`, none follows soon and there is no pause before it."""
 
     generation: int
     method: Method[Any]
-    state: MethodState | None
+    state: MethodState
     parameters: Parameters
     last: bool
-    hand_edits: tuple[HandEdit, ...]
-    tracker: ContourTracker
 
     def reconstruct(self) -> Result | Skeleton:
-        """Reconstruct the contours of the state, without manual edits; the first state has none."""
-        if self.state is None:
-            image, nowhere = self.method.image, np.empty((0, 2))
-            return Result(nowhere, (), None, 0, False, "", image.shape, image.spacing, image.unit, image.source)
+        """Reconstruct the contours of the state; the first state has none."""
         result = self.method.result(self.state, self.parameters)
         if self.state.step == 0 and isinstance(result, Result):  # back at the initialization
             result = replace(result, contours=(), bridges=(), surface=None)
         return result
-
-
-def apply_hand_edits(
-    method: Method[Any], found: Result | Skeleton, parameters: Parameters, edits: tuple[HandEdit, ...]
-) -> tuple[Result | Skeleton, Integers]:
-    """Apply manual edits to contours; return also the edits without a matching contour. A skeleton stays as it is."""
-    if not edits or isinstance(found, Skeleton):
-        return found, ()
-    return apply_edits_to_result(
-        found, edits, method.scale_field(parameters) if isinstance(method, ImageFields) else None
-    )
 
 
 class Reconstructor:
@@ -82,7 +56,8 @@ class Reconstructor:
         self._changed = threading.Condition()
         self._requests: Mailbox[ReconstructionRequest] = Mailbox()
         self._latest: Reconstruction | ReconstructionFailed | None = None
-        self._unedited: tuple[tuple[object, ...], Result | Skeleton] | None = None
+        self._made: tuple[tuple[object, ...], Result | Skeleton] | None = None
+        """What the newest contours were made of, and these contours."""
         self._working = False
         self._quit = False
         self._thread = threading.Thread(target=self._run_loop, name="cpm-reconstruction", daemon=True)
@@ -159,14 +134,9 @@ class Reconstructor:
         found: Reconstruction | ReconstructionFailed
         try:
             made_of = (request.method, request.state, request.parameters)
-            if self._unedited is None or self._unedited[0] != made_of:
-                self._unedited = made_of, request.reconstruct()
-            result, missed = apply_hand_edits(request.method, self._unedited[1], request.parameters, request.hand_edits)
-            found = Reconstruction.from_result(request.generation, result, request.tracker, thorough=request.last)
-            found = replace(found, unmatched_edits=missed if request.last else ())
-            if request.last and found.tracked is not None and found.tracked.keys:
-                self.results.put(found)  # shown before their contrast is measured
-                found = replace(found, tracked=found.tracked.with_contrast())
+            if self._made is None or self._made[0] != made_of:
+                self._made = made_of, request.reconstruct()
+            found = Reconstruction.from_result(request.generation, self._made[1])
         except Exception as error:  # no error may end the thread
             found = ReconstructionFailed(request.generation, explain_failure(error, tr("reconstructing contours")))
         self._latest = found

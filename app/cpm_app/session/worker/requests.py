@@ -10,7 +10,6 @@ import numpy as np
 
 from cpm_app.model.display.display_image import DisplayImage, IntensityWindow
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.contour_tracking import ContourTracker
 from cpm_app.session.exchange.messages import CommandFailed, Reconstruction, Report, Snapshot, WorkFinished
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.worker.commands import CommandContext, WorkerCommand
@@ -131,7 +130,7 @@ def take_frame(
         found = None
         if contours and moment.state.step > 0:
             result = run.reconstruct_state(branch, moment.state)
-            found = Reconstruction.from_result(generation, result, ContourTracker(), thorough=False)
+            found = Reconstruction.from_result(generation, result)
         context.report(make_report(moment, found))
 
     return WorkerCommand(

@@ -13,16 +13,14 @@ import numpy as np
 from cpm_app.model.display.display_image import DisplayImage, shade_area
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.contour_tracking import ContourTracker
 from cpm_app.session.exchange.mailbox import Mailbox, Pacer
 from cpm_app.session.exchange.messages import OverlayData, Overlays, Reconstruction, Snapshot, explain_failure
 from cpm_app.session.timeline.stored_runs import StoredRuns
 from cpm_app.session.timeline.timeline import Timeline
 from cpm_app.session.timeline.timeline_nodes import EraseAction, JoinAction, RunAction, StepAction
 from cpm_app.session.worker.prepared_methods import AREA_OVERLAY, PreparedMethods, compute_overlay
-from cpm_app.session.worker.reconstruction import ReconstructionRequest, Reconstructor, apply_hand_edits
+from cpm_app.session.worker.reconstruction import ReconstructionRequest, Reconstructor
 from cpm_core import Engine, Image, Method, Parameters, PlacedCharge, Result, Skeleton, State
-from cpm_core.contours import HandEdit
 from cpm_core.formats import describe_shapes
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Place
@@ -53,20 +51,17 @@ class Run:
         self.state: MethodState | None = None
         self.parameters = Parameters()
         self.charges: tuple[PlacedCharge, ...] = ()
-        self.hand_edits: tuple[HandEdit, ...] = ()
         self._drawn = Document()
         self._prepared = prepared
         self._overlays: dict[str, tuple[tuple[object, ...], OverlayData | None, str]] = {}
         """What each requested overlay has been made of, the overlay, and the error; the one made last is the last."""
         self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
-        self._tracker = ContourTracker()
         self._remaining = 0.0
 
     # The image and the document
 
     def use_image(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
         """Change to another image, with the method that has been prepared for it."""
-        self.hand_edits, self._tracker = (), ContourTracker()
         self.discard_state(generation)
         self.timeline.clear()
         self._erasures.clear()
@@ -95,14 +90,13 @@ class Run:
 
     def restore_runs(self, stored: StoredRuns) -> str:
         """Take over the runs of a session, none of which is shown yet; return the first error, or ""."""
-        self._tracker = ContourTracker(stored.numbers)
         return self.timeline.restore_runs(
             stored, lambda method, document: method.start(self._prepared.compute_seeds(document))
         )
 
     def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
-        """Return all runs for a session, with their contour numbers; `sources` as for `Timeline.to_stored_runs`."""
-        return replace(self.timeline.to_stored_runs(sources), numbers=self._tracker.places)
+        """Return all runs for a session; `sources` as for `Timeline.to_stored_runs`."""
+        return self.timeline.to_stored_runs(sources)
 
     def compute_image_seeds(self, document: Document) -> ImageSeeds:
         """Return the seeds of the starts of a document that depend on the image."""
@@ -273,16 +267,6 @@ class Run:
         self.state = None
         self.timeline.leave_run()
         self.reconstructor.drop_waiting()
-        if self.hand_edits:
-            self._request_contours(by_hand=True)
-
-    def set_hand_edits(self, edits: tuple[HandEdit, ...]) -> None:
-        """Use these manual edits of contours, also in the runs that follow."""
-        if edits == self.hand_edits:
-            return
-        self.hand_edits = edits
-        if not self.is_stepping:
-            self._request_contours(by_hand=True)
 
     def take_step(self) -> None:
         """Take one step and send a snapshot."""
@@ -353,11 +337,10 @@ class Run:
 
     def with_provenance(self, result: Result | Skeleton) -> Result | Skeleton:
         """Add to a result, for files, the shapes drawn for the run and whether it was steered."""
-        made, image = result.provenance, None if self.method is None else self.method.image
-        if image is not None and not made.sha256:  # contours drawn by hand
-            made = replace(made, sha256=image.sha256, of_file=bool(image.file_sha256))
-        if self.state is not None:
-            made = replace(made, shapes=describe_shapes(self.timeline.starting_shapes), steered=self.timeline.steered)
+        if self.state is None:
+            return result
+        shapes = describe_shapes(self.timeline.starting_shapes)
+        made = replace(result.provenance, shapes=shapes, steered=self.timeline.steered)
         return replace(result, provenance=made)
 
     def reconstruct_state(self, branch: int, state: MethodState) -> Result | Skeleton:
@@ -365,7 +348,7 @@ class Run:
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
         method = self.timeline.method_of_run(self.timeline.run_of(branch), self.method.regions)
-        return apply_hand_edits(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
+        return method.result(state, self.parameters)
 
     def take_snapshot(self, branch: int, step: int, is_wanted: Callable[[], bool]) -> Snapshot | None:
         """Return a snapshot of another step, without going there; None if it is no longer wanted."""
@@ -396,18 +379,12 @@ class Run:
             timeline=self.timeline.timeline_state,
         )
 
-    def _request_contours(self, looking_back: bool = False, by_hand: bool = False) -> None:
-        """Request contours; of the first state only if the run goes back to it, to show that there are none.
-
-        Without a state, only the contours drawn `by_hand` are requested.
-        """
-        begun = self.state is not None and self.state.step > 0
-        if self.method is None or not (begun or looking_back or by_hand):
+    def _request_contours(self, looking_back: bool = False) -> None:
+        """Request contours; of the first state only if the run goes back to it, to show that there are none."""
+        if self.method is None or self.state is None or not (self.state.step or looking_back):
             return
         # While the user scrubs, only the step at which this ends needs its contours at once.
         last = not self.is_stepping and not looking_back
         self.reconstructor.submit(
-            ReconstructionRequest(
-                self.generation, self.method, self.state, self.parameters, last, self.hand_edits, self._tracker
-            )
+            ReconstructionRequest(self.generation, self.method, self.state, self.parameters, last)
         )

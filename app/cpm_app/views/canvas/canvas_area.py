@@ -105,13 +105,8 @@ class CanvasArea(QWidget):
         session.messages.cleared.connect(self.messages.clear_category)
         session.image_changed.connect(lambda: self.messages.keep_categories(OPENING_CATEGORY, *PROGRAM_CATEGORIES))
 
-        def on_layer_changed() -> None:
-            """Keep contours that are not visible from being selected."""
-            workspace.review.shows_rejected = bool(self.canvas.layers.contours.option_values["rejected"])
-            self.strip.legend.schedule_update()
-
         for layer in self.canvas.layers:
-            layer.changed.connect(on_layer_changed)
+            layer.changed.connect(self.strip.legend.schedule_update)
         session.store.status_changed.connect(self.update_hint)
         self.flow.changed.connect(self._draw_scene)
         self._selection.changed.connect(self.update_hint)
@@ -164,7 +159,7 @@ class CanvasArea(QWidget):
         else:
             self.messages.dismiss_message()
             self._session.select_shape(None)
-            self._workspace.review.select()
+            self._workspace.contour_selection.select()
 
     def update_hint(self) -> None:
         """Show below the canvas what was found and what to do next.
@@ -250,8 +245,9 @@ class CanvasArea(QWidget):
             self.crosshair.position is not None,
             self._workspace.object_list,
         )
+        commands = self._workspace.object_commands
         given, self._has_focus_from_field = self._has_focus_from_field, False
-        accepts = key in ENTER_KEYS and not keyed and (objects.pending_rows or objects.selected_keys)
+        accepts = key in ENTER_KEYS and not keyed and (commands.can_accept or objects.selected_keys)
         if given and accepts:
             self._session.messages.show(tr("The value is set. Enter accepts the proposal."))
             return True
@@ -259,8 +255,8 @@ class CanvasArea(QWidget):
         if tool.has_draft and key in _DRAFT_KEYS and ends:
             (tool.remove_last_part if key == Qt.Key.Key_Backspace else tool.finish)()
         elif accepts:
-            if objects.pending_rows:  # objects are accepted already
-                self._workspace.object_commands.accept_pending()
+            if commands.can_accept:  # objects are accepted already
+                commands.accept_pending()
         elif key in ENTER_KEYS:
             self.canvas.dispatcher.set_modifiers(held)
             (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()

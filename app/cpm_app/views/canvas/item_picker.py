@@ -40,13 +40,13 @@ class ItemPicker:
         shapes = self._session.document.shapes
         found = hit_shape(self._session.scene, at, reach, here)
         near = found is not None and (found.part == "handle" or shapes[found.index].distance_to(at) <= reach)
-        key = None if near else self._list.row_at(at, reach, inside_counts=False)
+        key = None if near else self._list.item_at(at, reach)
         if key is None:
             self._session.select_shape(None if found is None else found.index)
             return "image" if found is None else self.selected_kind
         self._session.select_shape(None)
         if key not in self._list.selected_keys:
-            self._list.select_rows((key,))
+            self._list.select_items((key,))
         return "object"
 
 
@@ -59,10 +59,9 @@ def selected_places(workspace: Workspace) -> list[Array]:
         One array for each curve or box: (row, col) in an image, (plane, row, col) in a volume, in pixels.
     """
     session = workspace.session
-    rows = workspace.object_list.selected_rows
-    items = [row.item for row in rows if row.item is not None]
-    found = [row.contour.contour.points for row in rows if row.contour is not None]
-    found += [np.array(curve) for item in items for curve in item.boundary]
+    items = [row.item for row in workspace.object_list.selected_rows]
+    found = [contour.points for contour in workspace.contour_selection.selected_contours]
+    found += [path for item in items for path in item.paths]
     found += [packed.box for item in items for packed in item.surface]
     if not found and session.selected_shape is not None:
         shape = session.document.shapes[session.selected_shape]

@@ -100,7 +100,7 @@ class ExportDialog(QDialog):
         assert image is not None
         self._image = image
         self._volume = scene.slices is not None
-        self._result = scene.skeleton or scene.contours.result or getattr(scene.reconstruction, "result", None)
+        self._result = getattr(scene.reconstruction, "result", None)
         self.folder = files.find_starting_folder("export")
         self.list = QTreeWidget()
         self.list.setColumnCount(2)

@@ -11,7 +11,7 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QImage, QPainter
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.scene import ReviewedContours, Scene
+from cpm_app.session.scene import Scene
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.worker.requests import FrameTaken, take_frame
@@ -86,11 +86,7 @@ class FrameRenderer:
 
     def render_frame(self, taken: FrameTaken) -> Pixels:
         """Draw a step of the run; return RGB values of shape (H, W, 3) and dtype uint8."""
-        tracked = taken.contours.tracked if taken.contours is not None else None
-        contours = ReviewedContours.from_tracked(tracked, self._scene.document.marks)
-        self._view.draw_scene(
-            replace(self._scene, snapshot=taken.snapshot, reconstruction=taken.contours, contours=contours)
-        )
+        self._view.draw_scene(replace(self._scene, snapshot=taken.snapshot, reconstruction=taken.contours))
         picture = QImage(*self._size, QImage.Format.Format_RGB32)
         painter = QPainter(picture)
         self._view.finish_drawing()

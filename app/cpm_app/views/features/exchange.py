@@ -75,7 +75,7 @@ class ExportFeature(Feature):
         navigation, space, pages = workspace.navigation, window.get_feature(SpaceFeature), workspace.pages.result
         exportable = Exportable(
             self.session.scene.objects.selected,
-            frozenset(item.measures.number for item in workspace.review.selected_items),
+            workspace.contour_selection.selected_indices,
             0 if pages is None else len(pages.results),
             navigation.last_step(navigation.current_step[0]) if has_particles(self.session.situation) else 0,
             space.panel.contents is not None,
@@ -150,7 +150,7 @@ class ClipboardFeature(Feature):
         """Copy the selection, else all objects, else all contours; other programs take the format that suits them."""
         session = self.session
         chosen = session.scene.objects.selected
-        contours = frozenset(item.measures.number for item in self.window.workspace.review.selected_items)
+        contours = self.window.workspace.contour_selection.selected_indices
         what: ExportKind = (
             "objects" if chosen or (has_objects_to_export(session.document) and not contours) else "contours"
         )
@@ -276,7 +276,7 @@ def _explain_choices(found: ImportedContent) -> str:
     if found.kind == "surface" and not found.objects:
         sentences.append(tr("The surface is not closed, so it encloses no object."))
     if found.open_count and found.objects:
-        sentences.append(tr("Open contours are not objects."))
+        sentences.append(tr("Open contours are left out of the objects."))
     return " ".join([*sentences, *map(translate_core_text, found.notes)])
 
 

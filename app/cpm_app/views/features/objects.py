@@ -1,4 +1,4 @@
-"""Menu Objects: actions on objects, proposals and contours, and their panel."""
+"""Menu Objects: actions on objects and proposals, and their panel."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cpm_app.model.document.objects import (
 from cpm_app.model.preferences.table import UNIT_PREFERENCE
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_volume
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_rows import RowKey, RowKind
+from cpm_app.session.features.object_rows import ItemKey
 from cpm_app.views.panels.objects import ObjectPanel
 from cpm_app.views.theme.icons import create_swatch, fill_colors
 from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_menu_action
@@ -35,7 +35,7 @@ _SELECTION_TOOLS = ("objects", "select", "mend")
 
 
 class ObjectsFeature(Feature):
-    """Actions on objects, proposals and contours by menu and keys, and their panel."""
+    """Actions on objects and proposals by menu and keys, and their panel."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
@@ -44,8 +44,6 @@ class ObjectsFeature(Feature):
         self._commands = commands = window.workspace.object_commands
         brush = window.workspace.object_brush
         self._selection = selection = window.workspace.object_selection
-        self._editing = editing = window.workspace.hand_editing
-        layer = area.canvas.layers.contours
         self.panel = ObjectPanel(window.workspace, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.table.show_items)
@@ -53,19 +51,19 @@ class ObjectsFeature(Feature):
         area.canvas.pointer.double_clicked.connect(self._on_double_clicked)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.dispatcher.tool.name == "mend"))
-        area.canvas.pointer_moved.connect(lambda at: objects.set_hovered_row(None) if at is None else None)
+        area.canvas.pointer_moved.connect(lambda at: objects.set_hovered_item(None) if at is None else None)
         for changed in (objects.selection_changed, brush.changed):
             changed.connect(lambda *_: window.refresh_actions())
         selection.changed.connect(window.refresh_actions)
 
-        def has_selected(*kinds: RowKind, least: int = 1) -> bool:
-            return sum(row.kind in kinds for row in objects.selected_rows) >= least
-
-        def has_selection(_: Situation) -> bool:
-            return bool(objects.selected_keys)
+        def has_rows(_: Situation) -> bool:
+            return bool(objects.selected_rows)
 
         def has_objects(_: Situation) -> bool:
             return bool(objects.selected_numbers)
+
+        def has_one_with_area(_: Situation) -> bool:
+            return len(objects.selected_objects) == 1 and not objects.selected_objects[0].line
 
         def all_are(state: str) -> bool:
             return bool(objects.selected_objects) and all(getattr(item, state) for item in objects.selected_objects)
@@ -76,37 +74,24 @@ class ObjectsFeature(Feature):
             menu.aboutToHide.connect(menu.deleteLater)
             menu.popup(QCursor.pos())
 
-        def merge_selection() -> None:
-            if has_selected("object", "proposal", "closed", least=2):
-                commands.merge_selected()
-            else:
-                editing.join_selected(closing=False)
-
         commands.class_begun.connect(self.ask_for_name)
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
-                       "Accept proposals and closed contours as objects, and keep open contours; Enter "
-                       "does the same.",
+                       "Accept proposals, or the selected contours, as objects; Enter does the same.",
                        commands.accept_pending, shown_key="Enter",
-                       when=lambda _: bool(selection.proposals)
-                       or has_selected("proposal", "closed", "open", "rejected")),
+                       when=lambda _: bool(selection.proposals) or commands.can_accept),
             ActionSpec("reject", "Objects", "&Reject",
-                       "Dismiss proposals, remove objects, and exclude contours from exports; none is "
-                       "proposed again.",
+                       "Dismiss proposals and remove objects; none is proposed again.",
                        commands.reject_selected, "X",
-                       when=lambda _: bool(objects.selected_keys or selection.proposals)),
-            ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
-                       self.ask_for_name, "F2", gap=True, when=has_selection),
+                       when=lambda _: bool(objects.selected_rows or selection.proposals)),
+            ActionSpec("name_object", "Objects", "&Name…", "Name the selected object.",
+                       self.ask_for_name, "F2", gap=True, when=has_rows),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
-            ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",
-                       ask_color, when=lambda _: has_selected("object", "closed", "open")),
-            ActionSpec("merge_objects", "Objects", "&Merge",
-                       "Merge the selected objects into one; open contours are joined along the edges.",
-                       merge_selection, "M", gap=True, when=lambda _: len(objects.selected_keys) > 1),
-            ActionSpec("close_contours", "Objects", "Clos&e",
-                       "Close the selected open contour along the edge between its ends; several are joined first.",
-                       partial(editing.join_selected, closing=True), "Shift+C",
-                       when=lambda _: any(not item.contour.closed for item in window.workspace.review.selected_items)),
+            ActionSpec("object_color", "Objects", "C&olor…", "Give objects a color of their own.",
+                       ask_color, when=has_objects),
+            ActionSpec("merge_objects", "Objects", "&Merge", "Merge the selected objects into one.",
+                       commands.merge_selected, "M", gap=True,
+                       when=lambda _: sum(not row.item.line for row in objects.selected_rows) > 1),
             ActionSpec("fill_between", "Objects", "Fill &between slices",
                        "Fill the slices between those in which the selected object has been painted.",
                        commands.fill_between_slices, "Shift+I", short=tr("Fill gaps"), visible_when=has_volume,
@@ -121,10 +106,10 @@ class ObjectsFeature(Feature):
                        visible_when=has_volume, checked_when=lambda _: brush.paints_over_others),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_similar(objects.selected_objects[0].number), "Ctrl+L",
-                       when=lambda _: len(objects.selected_objects) == 1),
+                       when=has_one_with_area),
             ActionSpec("change_object", "Objects", "Change by &clicks",
                        "Select the object again, beginning with what it is.", self._change_by_clicks,
-                       when=lambda _: len(objects.selected_objects) == 1),
+                       when=has_one_with_area),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the objects again by their own clicks, on the contours of the last run.",
                        lambda: selection.refit_objects(objects.selected_numbers),
@@ -143,24 +128,16 @@ class ObjectsFeature(Feature):
                        self._find_skeleton, icon="mode_skeleton",
                        when=lambda now: bool(objects.selected_numbers) or has_contours(now)),
             ActionSpec("delete_object", "Objects", "&Delete", "Remove the selection; the key Delete does the same.",
-                       commands.delete_selected, gap=True, when=has_selection),
-            ActionSpec("all_objects", "Objects", "Select &all", "Select all rows of the table that are not rejected.",
-                       lambda: objects.select_rows(self._list_shown_keys()), "Ctrl+A", gap=True, when=has_image),
+                       commands.delete_selected, gap=True, when=has_rows),
+            ActionSpec("all_objects", "Objects", "Select &all", "Select all objects and proposals in the table.",
+                       lambda: objects.select_items(self._list_shown_keys()), "Ctrl+A", gap=True, when=has_image),
             ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection",
                        "Select everything that is not selected.",
-                       lambda: objects.select_rows(self._list_shown_keys() - objects.selected_keys), "Ctrl+I",
+                       lambda: objects.select_items(self._list_shown_keys() - objects.selected_keys), "Ctrl+I",
                        when=has_image),
             ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
                        "Select one row of the table after the other.",
                        self.select_next, "Shift+N", when=has_image),
-            ActionSpec("show_rejected", "Objects", "&Show rejected",
-                       "Show rejected objects and contours faintly, or hide them.",
-                       lambda: layer.set_option("rejected", not layer.option_values["rejected"]), gap=True,
-                       checked_when=lambda _: bool(layer.option_values["rejected"])),
-            ActionSpec("drop_missed_edits", "Objects", "Remove outdated edits",
-                       "Remove manual edits that no longer match a contour, with their lines.",
-                       lambda: editing.remove_edits(editing.unmatched_edits),
-                       when=lambda _: bool(editing.unmatched_edits)),
             ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
                        "Find center lines in the image again, not only in objects or closed contours.",
                        lambda: self._run_skeleton(tr("skeleton of the image"), SkeletonTarget()),
@@ -172,7 +149,7 @@ class ObjectsFeature(Feature):
         keys = [row.key for row in self.panel.table.listed_rows]
         at = max((keys.index(key) for key in self._object_list.selected_keys if key in keys), default=-1)
         if keys:
-            self._object_list.select_rows((keys[(at + 1) % len(keys)],))
+            self._object_list.select_items((keys[(at + 1) % len(keys)],))
 
     def ask_for_name(self, category: int = 0) -> None:
         """Ask for the name of the selected row, or of a class."""
@@ -187,24 +164,21 @@ class ObjectsFeature(Feature):
         key, selecting = event.key(), tool.name in _SELECTION_TOOLS
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._object_list.objects.classes):
             self._commands.classify_selected(key - Qt.Key.Key_0)
-        elif key in DELETE_KEYS and len(self._editing.marked_places) == 2:
-            self._editing.delete_stretch()
-        elif selecting and key in DELETE_KEYS and self._object_list.selected_keys and not tool.has_draft:
+        elif selecting and key in DELETE_KEYS and self._object_list.selected_rows and not tool.has_draft:
             self._commands.delete_selected()
         else:
             return False
         return True
 
-    def _list_shown_keys(self) -> frozenset[RowKey]:
-        """Return the keys of the rows in the table, without rejected rows unless there are no others."""
-        listed = self.panel.table.listed_rows
-        return frozenset(row.key for row in [row for row in listed if row.kind != "rejected"] or listed)
+    def _list_shown_keys(self) -> frozenset[ItemKey]:
+        """Return the keys of the rows in the table."""
+        return frozenset(row.key for row in self.panel.table.listed_rows)
 
     def _on_double_clicked(self) -> None:
         """Rename the item that was double-clicked with the selection tool."""
         if (
             self.window.canvas_area.canvas.dispatcher.tool.name == "select"
-            and len(self._object_list.selected_keys) == 1
+            and len(self._object_list.selected_rows) == 1
         ):
             self.ask_for_name()
 
@@ -232,13 +206,13 @@ class ObjectsFeature(Feature):
             )
 
     def _find_skeleton(self) -> None:
-        """Find the skeleton of the selected objects, else of the selected closed contours, else of all not rejected."""
-        chosen, review = self._object_list.selected_numbers, self.window.workspace.review
+        """Find the skeleton of the selected objects, else of the selected closed contours, else of all."""
+        chosen, contours = self._object_list.selected_numbers, self.window.workspace.contour_selection.selected_contours
         if chosen:
             self._run_skeleton(tr("skeleton of objects"), SkeletonTarget(objects=tuple(sorted(chosen))))
             return
-        items = review.selected_items or [item for item in review.items if not item.reviewed.rejected]
-        lines = tuple(as_line(item.contour.points) for item in items if item.contour.closed)
+        contours = contours or tuple(self.window.session.scene.contours)
+        lines = tuple(as_line(contour.points) for contour in contours if contour.closed)
         if lines:
             self._run_skeleton(tr("skeleton of contours"), SkeletonTarget(contours=lines))
         else:

@@ -58,7 +58,7 @@ class LayersFeature(Feature):
         legend.folded_changed.connect(lambda folded: window.preferences.store_key(_LEGEND_FOLDED_KEY, folded))
         legend.folded_changed.connect(window.refresh_actions)
         window.shortcuts.changed.connect(lambda: panel.use_actions(window.actions_by_name))
-        workspace.review.selection_changed.connect(window.refresh_actions)
+        workspace.contour_selection.selection_changed.connect(window.refresh_actions)
         workspace.object_list.selection_changed.connect(window.refresh_actions)
 
         def create_layer_action(layer: Layer) -> ActionSpec:

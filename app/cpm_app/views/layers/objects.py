@@ -18,7 +18,6 @@ from cpm_app.views.layers.layer import AmountOption, Layer, LegendEntry, SwitchO
 from cpm_app.views.theme import theme
 from cpm_core import Selection
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import DEFAULT_CLASSES
 
 _PROPOSAL_OPACITY = 0.2
@@ -72,8 +71,8 @@ class ObjectLayer(Layer):
         self._doubtful = Curves(theme.PROPOSAL_COLOR, 4.5, width=1.4, halo=2.8, dashed=_DOUBTFUL_DASHES)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
         self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2))
-        self._paths: dict[int, tuple[tuple[Line, ...], list[Array]]] = {}
-        """Boundaries of the shown objects by object number, with the closed paths drawn for them."""
+        self._paths: dict[int, tuple[Array, ...]] = {}
+        """Paths of the shown objects by object number."""
         self._names, self._probabilities = TextLabels(5.8), TextLabels(5.85, above=True)
         self.add_items(self.fills, self._outlines, self._gaps, self._selected, self._hovered, self.proposal_fill)
         self.add_items(
@@ -126,15 +125,9 @@ class ObjectLayer(Layer):
         objects = self.scene.document.objects
         seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
         fill = self.get_amount("fill")
-        known = self._paths
-        self._paths = {
-            item.number: made if (made := known.get(item.number)) and made[0] is item.boundary else
-            (item.boundary, [np.array((*curve, curve[0])) for curve in item.boundary])
-            for item in seen
-        }  # fmt: skip
-        paths = [(self._paths[item.number][1], objects.color_of(item)) for item in seen]
-        self.fills.show_areas([(own, color, fill) for own, color in paths])
-        outlines = [(path, color) for own, color in paths for path in own]
+        self._paths = {item.number: item.paths for item in seen}
+        self.fills.show_areas([(item.paths, objects.color_of(item), fill) for item in seen if not item.line])
+        outlines = [(path, objects.color_of(item)) for item in seen for path in item.paths]
         self._outlines.show_paths([path for path, _ in outlines], [color for _, color in outlines])
         self._gaps.show_paths([np.array(gap) for item in seen for gap in item.gaps])
         self._names.show_texts([(item.center, item.name, objects.color_of(item)) for item in seen if item.name])
@@ -149,7 +142,7 @@ class ObjectLayer(Layer):
         """Find the boundaries of objects by number and of proposals by key, each of shape (K, 2)."""
         wanted = set(numbers)
         proposals = [found for key, found in self._proposals if key and key in wanted]
-        own = [path for number, (_, paths) in self._paths.items() if number in wanted for path in paths]
+        own = [path for number, paths in self._paths.items() if number in wanted for path in paths]
         return [*own, *_selection_outlines(proposals)]
 
     def _show_proposals(self) -> None:

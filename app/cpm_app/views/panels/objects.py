@@ -1,9 +1,9 @@
-"""Panel of the objects: a form of the selected one, the classes, and the table of objects, proposals and contours."""
+"""Panel of the objects: a form of the selected one, the classes, and the table of objects and proposals."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -12,7 +12,6 @@ from PySide6.QtCore import QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import (
     QAction,
     QColor,
-    QFont,
     QGuiApplication,
     QKeyEvent,
     QPainter,
@@ -40,7 +39,7 @@ from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE
 from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_measures import ObjectFigures, gray_histogram
-from cpm_app.session.features.object_rows import ROW_KINDS, ObjectRow, RowKey, RowKind
+from cpm_app.session.features.object_rows import ItemKey, ObjectRow, RowKind
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
 from cpm_app.views.theme import theme
@@ -48,15 +47,8 @@ from cpm_app.views.theme.icons import create_swatch, fill_colors
 from cpm_app.views.widgets.containers import create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import Image
-from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers, Sides
-from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
-
-_KIND_NAMES: Mapping[RowKind, str] = {
-    "object": tr("object"), "proposal": tr("proposal"), "closed": tr("closed"), "open": tr("open"),
-    "rejected": tr("rejected"),
-}  # fmt: skip
-"""Names of the kinds of rows."""
+from cpm_core.objects.segmented import SegmentedObjects
 
 
 def _object_figure_getter(get: Callable[[ObjectFigures], float | None]) -> Callable[[ObjectRow], float | None]:
@@ -64,22 +56,8 @@ def _object_figure_getter(get: Callable[[ObjectFigures], float | None]) -> Calla
     return lambda row: None if row.figures is None else get(row.figures)
 
 
-def _contour_measure_getter(get: Callable[[Measures], float | str | None]) -> Callable[[ObjectRow], float | str | None]:
-    """Return a function from a row to a measure of its contour, or None for an object."""
-    return lambda row: None if row.contour is None else get(row.contour.measures)
-
-
-def _object_or_contour_getter(
-    item: Callable[[SegmentedObject], float | None], measures: Callable[[Measures], float | None]
-) -> Callable[[ObjectRow], float | str | None]:
-    """Return a function from a row to a value of its object, or else of its contour."""
-    return lambda row: item(row.item) if row.item is not None else _contour_measure_getter(measures)(row)
-
-
 def _describe_state(row: ObjectRow) -> str | None:
-    """Describe whether the item of a row is frozen, hidden or kept."""
-    if row.item is None:
-        return tr("kept") if row.contour is not None and row.contour.reviewed.verdict == "kept" else None
+    """Describe whether the object of a row is frozen or hidden."""
     words = ((row.item.frozen, tr("frozen")), (row.item.hidden, tr("hidden")))
     return ", ".join(word for holds, word in words if holds) or None
 
@@ -96,72 +74,55 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
     solid = len(spacing) == 3
 
     def describe_class(row: ObjectRow) -> str:
-        if row.kind != "object" or row.item is None:
-            return _KIND_NAMES[row.kind]
+        if row.kind == "proposal":
+            return tr("proposal")
         named = bool(objects.classes[row.item.category - 1].name)
         return f"{row.item.category} " * named + class_title(objects, row.item.category)
 
     def row_number(row: ObjectRow) -> int | None:
-        return row.contour.measures.number if row.contour else abs(row.key[1]) or None
+        return abs(row.key[1]) or None
 
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
                row_number, "000", number_format=".0f",
-               sort_by=lambda row: ROW_KINDS.index(row.kind) * 1e7 + (row_number(row) or 0)),
+               sort_by=lambda row: (row.kind == "proposal") * 1e7 + (row_number(row) or 0)),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
-               lambda row: row.name, "name"),
-        Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
-                                        "row is."), describe_class,
-               "proposal",
-               sort_by=lambda row: 10 * ROW_KINDS.index(row.kind) + (row.item.category if row.item else 0)),
+               lambda row: row.item.name, "name"),
+        Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or that it is a proposal."),
+               describe_class, "proposal", sort_by=lambda row: 10 * (row.kind == "proposal") + row.item.category),
         Column("area", tr("Volume"), tr("Volume without hollows."), _object_figure_getter(lambda found: found.volume),
                "00,000", 3)
         if solid else
         Column("area", tr("Area"), tr("Area without holes."),
-               _object_or_contour_getter(lambda item: item.area * pixel,
-                                         lambda found: found.net_area_in_units if found.closed else None),
-               "00,000", 2),
+               lambda row: None if row.item.line else row.item.area * pixel, "00,000", 2),
         Column("confidence", tr("%"), CONFIDENCE_TIP,
-               lambda row: row.item.confidence * 100 if row.item is not None and row.item.confidence else None,
+               lambda row: row.item.confidence * 100 or None,
                "00 %", number_format=".0f", suffix=" %"),
         Column("length", tr("Area"), tr("Area of the surface, including hollows."),
                _object_figure_getter(lambda found: found.area), "00,000", 2)
         if solid else
         Column("length", tr("Length"),
-               tr("Length of the boundary including holes, or of the contour."),
-               _object_or_contour_getter(lambda item: item.measure_perimeter(spacing),
-                                         lambda found: found.length_in_units), "0,000", 1),
+               tr("Length of the boundary including holes, or of the line of an open object."),
+               lambda row: row.item.measure_perimeter(spacing), "0,000", 1),
         Column("gray", tr("Mean gray"), tr("Mean gray value inside."),
                _object_figure_getter(lambda found: found.gray), "000.0"),
-        Column("strength", tr("Strength"), tr("Mean edge strength along the boundary or contour [gray levels/px]."),
-               _object_or_contour_getter(lambda item: item.strength or None, lambda found: found.strength), "000.0"),
-        Column("state", tr("State"), tr("Frozen objects stop particles and are not found again; kept "
-                                        "contours stay through slider changes and runs."), _describe_state, "frozen"),
+        Column("strength", tr("Strength"), tr("Mean edge strength along the boundary [gray levels/px]."),
+               lambda row: row.item.strength or None, "000.0"),
+        Column("state", tr("State"), tr("Frozen objects stop particles and are not found again."), _describe_state,
+               "frozen"),
         Column("gaps", tr("Surfaces"), tr("Number of closed surfaces that bound it: one more for each hollow."),
                _object_figure_getter(lambda found: found.parts), "0,000", number_format=".0f")
         if solid else
         Column("gaps", tr("Bridged"), tr("Length of the boundary that follows no contour; dashed."),
-               lambda row: row.item.measure_gap_length(spacing) if row.item is not None and row.item.gaps else None,
-               "0,000", 1),
+               lambda row: row.item.measure_gap_length(spacing) or None, "0,000", 1),
         Column("euler", tr("Euler number"),
                tr("Euler characteristic of its surface: 2 for a sphere, 2 less for each handle."),
                _object_figure_getter(lambda found: found.euler if solid else None), "000", number_format=".0f"),
-        Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
-               _contour_measure_getter(lambda found: found.inside or None), "0000", number_format=".0f"),
-        Column("junctions", tr("Junctions"), tr("Number of ends at which it meets other contours."),
-               _contour_measure_getter(lambda found: None if found.closed else found.junctions), "0",
-               number_format=".0f"),
-        Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
-               _contour_measure_getter(lambda found: found.contrast), "0.00", number_format=".2f"),
-        Column("by_hand", tr("By hand"), tr("Length that was drawn by hand."),
-               _contour_measure_getter(lambda found: found.by_hand * found.length_in_units / found.length
-                                       if found.by_hand else None),
-               "000.0", 1),
     )  # fmt: skip
 
 
 class ObjectTable(ItemTable):
-    """Table of objects, proposals and contours, in which they are selected, named, classified and removed."""
+    """Table of objects and proposals, in which they are selected, named, classified and removed."""
 
     menu_name = "object"
 
@@ -175,28 +136,28 @@ class ObjectTable(ItemTable):
             self._get_cell_look,
             self._commands.rename_row,
         )
-        super().__init__(rows, tr("Objects and contours"))
+        super().__init__(rows, tr("Objects and proposals"))
         object_list.changed.connect(self.show_items)
         object_list.selection_changed.connect(self.show_selection)
         self._session.image_changed.connect(self.show_items)
         self.show_items()
 
     @property
-    def selected_keys(self) -> frozenset[RowKey]:
+    def selected_keys(self) -> frozenset[ItemKey]:
         """Keys of the selected rows."""
-        return self._object_list.selected_keys
+        return frozenset(row.key for row in self._object_list.selected_rows)
 
-    def select_keys(self, keys: Sequence[RowKey]) -> None:
+    def select_keys(self, keys: Sequence[ItemKey]) -> None:
         """Select rows."""
-        self._object_list.select_rows(keys)
+        self._object_list.select_items(keys)
 
     def remove_selected(self) -> None:
         """Delete the selected rows."""
         self._commands.delete_selected()
 
-    def hover_item(self, key: RowKey | None) -> None:
+    def hover_item(self, key: ItemKey | None) -> None:
         """Highlight a row, or none."""
-        self._object_list.set_hovered_row(key)
+        self._object_list.set_hovered_item(key)
 
     def show_kinds(self, kinds: tuple[RowKind, ...]) -> None:
         """Show only rows of these kinds, or all rows if there are none."""
@@ -227,26 +188,17 @@ class ObjectTable(ItemTable):
         )
 
     def _get_cell_look(self, row: ObjectRow, role: int, of_name: bool) -> Any:
-        """Return the swatch next to a name; hidden and rejected rows are pale, rejected names struck out."""
-        match role:
-            case Role.DecorationRole if of_name:
-                return create_swatch(row_color(self._object_list, row))
-            case Role.ForegroundRole if row.kind == "rejected" or (row.item is not None and row.item.hidden):
-                return QColor(QGuiApplication.palette().color(QPalette.ColorRole.PlaceholderText))
-            case Role.FontRole if row.kind == "rejected":
-                font = QFont()
-                font.setStrikeOut(of_name)
-                return font
+        """Return the swatch next to a name; hidden rows are pale."""
+        if role == Role.DecorationRole and of_name:
+            return create_swatch(row_color(self._object_list, row))
+        if role == Role.ForegroundRole and row.item.hidden:
+            return QColor(QGuiApplication.palette().color(QPalette.ColorRole.PlaceholderText))
         return None
 
 
 def row_color(object_list: ObjectList, row: ObjectRow) -> str:
-    """Return the color of a row: its own, or else that of the class of the object."""
-    if row.item is not None:
-        return theme.PROPOSAL_COLOR if row.kind == "proposal" else object_list.objects.color_of(row.item)
-    assert row.contour is not None
-    contour = row.contour.contour
-    return contour.color or theme.CONTOUR_COLOR
+    """Return the color of a row: that of proposals, or of the object."""
+    return theme.PROPOSAL_COLOR if row.kind == "proposal" else object_list.objects.color_of(row.item)
 
 
 class GrayHistogram(QWidget):
@@ -331,14 +283,16 @@ _ROW_FILTERS: tuple[tuple[str, tuple[RowKind, ...]], ...] = (
     (tr("All"), ()),
     (tr("Objects"), ("object",)),
     (tr("Proposals"), ("proposal",)),
-    (tr("Contours"), ("closed", "open")),
-    (tr("Rejected"), ("rejected",)),
 )
 """Title and kinds of rows of each restriction of the table; no kinds stand for all."""
 
 BUTTON_ACTIONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike", "freeze_object", "fill_between",
            "paint_in_space", "paint_over")  # fmt: skip
 """Actions that have a button wherever the action is available."""
+
+
+_FIGURE_LINES = 2
+"""Number of lines for which there is always room above the table, so that it does not move when a row is selected."""
 
 
 class ObjectPanel(QWidget):
@@ -356,6 +310,11 @@ class ObjectPanel(QWidget):
         self.name.editingFinished.connect(self._on_name_edited)
         self.figures, self.histogram = create_wrapped_label(), GrayHistogram()
         self.figures.setToolTip(CONFIDENCE_TIP)
+        self.figures.setMinimumHeight(_FIGURE_LINES * self.figures.fontMetrics().lineSpacing())
+        for field in (self.name, self.figures, self.histogram):  # the table must not move under the pointer
+            policy = field.sizePolicy()
+            policy.setRetainSizeWhenHidden(True)
+            field.setSizePolicy(policy)
         self.classes: dict[int, ClassRow] = {}
         self._classes = QVBoxLayout()
         self._classes.setSpacing(0)
@@ -398,7 +357,7 @@ class ObjectPanel(QWidget):
         self.figures.setVisible(row is not None)
         self.name.setPlaceholderText(row.title if row else "")
         if row is not None and not self.name.isModified():
-            self.name.setText(row.name)
+            self.name.setText(row.item.name)
         self.figures.setText(self._describe_row(row) if row else "")
         counts = row.figures.counts if row is not None and row.figures is not None else ()
         self.histogram.show_counts(self._session.image, counts, row_color(self._object_list, row) if row else "")
@@ -407,9 +366,6 @@ class ObjectPanel(QWidget):
         found = Counter(each.kind for each in self._object_list.rows)
         words: tuple[tuple[RowKind, str, str], ...] = (
             ("object", tr("1 object"), tr("{count} objects")), ("proposal", tr("1 proposal"), tr("{count} proposals")),
-            ("closed", tr("1 closed contour"), tr("{count} closed contours")),
-            ("open", tr("1 open contour"), tr("{count} open contours")),
-            ("rejected", tr("1 rejected"), tr("{count} rejected")),
         )  # fmt: skip
         parts = [
             one if found[kind] == 1 else many.format(count=found[kind]) for kind, one, many in words if found[kind]
@@ -476,7 +432,7 @@ class ObjectPanel(QWidget):
             columns["class"].format_cell(row, 1.0),
             *(self.table.describe_cell(row, columns[name]) for name in ("area", "length")),
         ]
-        if row.item is not None and row.item.confidence:
+        if row.item.confidence:
             parts.append(tr("Confidence: {share}").format(share=columns["confidence"].format_cell(row, 1.0)))
         return " · ".join(filter(None, parts))
 

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from cpm_app.model.display.effects import (
-    FILTER_MEASURES,
+    FILTER_PARAMETERS,
     MOTION_PARAMETERS,
     describe_contours_left,
     describe_effects,
@@ -40,7 +40,6 @@ from cpm_app.model.parameters.controls import (
 )
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.model.text.wording import PARAMETER_FORMULAS
-from cpm_app.session.scene import NO_CONTOURS, ReviewedContours
 from cpm_app.session.session import Session
 from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
@@ -48,6 +47,7 @@ from cpm_app.views.widgets.actions import add_menu_action
 from cpm_app.views.widgets.containers import FoldableSection, create_dim_label, fill_layout
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
+from cpm_core.contours.contour import Contours
 
 _EQUALITY_TOLERANCE = 1e-9
 """Difference up to which a value counts as the default."""
@@ -209,7 +209,7 @@ class ParameterRow(QWidget):
         grid.setColumnStretch(0, 1)
         # its line is there before there is an effect, so that a run moves no slider
         self.effect.setFixedHeight(self.fontMetrics().height())
-        self.effect.setVisible(self.control.name in (*MOTION_PARAMETERS, *FILTER_MEASURES))
+        self.effect.setVisible(self.control.name in (*MOTION_PARAMETERS, *FILTER_PARAMETERS))
 
     def _on_value_changed(self, value: float) -> None:
         self.changed.emit(self.control.name, int(value) if self.control.is_whole else value)
@@ -230,7 +230,7 @@ class ParametersPanel(QWidget):
     def __init__(self, session: Session, presets: QToolButton) -> None:
         super().__init__()
         self._session = session
-        self._contours: ReviewedContours = NO_CONTOURS
+        self._contours: Contours = ()
         self._length = 0.0
         """Length of all contours [px]."""
         self._counts_before: dict[str, int] = {}
@@ -312,7 +312,7 @@ class ParametersPanel(QWidget):
         scene = self._session.scene
         if scene.contours is not self._contours:
             self._contours = scene.contours
-            self._length = sum(item.measures.length for item in scene.contours.items)
+            self._length = sum(contour.length for contour in scene.contours)
             self._show_effects()
         state = None if scene.snapshot is None else scene.snapshot.state
         for name, words in describe_effects(
@@ -321,13 +321,12 @@ class ParametersPanel(QWidget):
             self.rows[name].show_effect(words)
 
     def _show_effects(self) -> None:
-        rows = [item.measures for item in self._contours.items]
-        for name in FILTER_MEASURES:
-            value = float(getattr(self._session.document.parameters, name))
-            self.rows[name].show_effect(describe_contours_left(rows, name, value, self._counts_before.get(name)))
+        for name in FILTER_PARAMETERS:
+            words = describe_contours_left(len(self._contours), self._counts_before.get(name))
+            self.rows[name].show_effect(words)
 
     def _on_slider_held(self, name: str, held: bool) -> None:
         """Remember the number of contours while a slider is pressed."""
-        self._counts_before = {name: len(self._contours.items)} if held else {}
+        self._counts_before = {name: len(self._contours)} if held else {}
         if not held:
             self._show_effects()

@@ -89,10 +89,7 @@ PROPOSAL_COLOR = Ink("proposal", INK_PREFERENCES["proposal"].default)
 """Proposed objects."""
 
 BY_HAND_COLOR = Ink("by_hand", INK_PREFERENCES["by_hand"].default)
-"""Stretches that were drawn by hand."""
-
-REJECTED_COLOR = Ink("rejected", INK_PREFERENCES["rejected"].default)
-"""Rejected contours and objects."""
+"""Lines that are being drawn by hand."""
 
 JUNCTION_COLOR = "#ff7ac6"
 """Junctions of contours."""

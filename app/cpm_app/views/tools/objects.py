@@ -109,7 +109,7 @@ class ObjectTool(Tool):
     def on_hover(self, at: Place) -> None:
         """Preview what a click would select or change."""
         existing = self._find_existing(at)
-        self._list.set_hovered_row(("object" if existing > 0 else "proposal", existing) if existing else None)
+        self._list.set_hovered_item(("object" if existing > 0 else "proposal", existing) if existing else None)
         self._selection.preview_click(None if existing else at, self._is_positive)
 
     def resize_by(self, by: float) -> None:
@@ -133,7 +133,7 @@ class ObjectTool(Tool):
 
     def hide_marks(self) -> None:
         """Hide the preview of a click."""
-        self._list.set_hovered_row(None)
+        self._list.set_hovered_item(None)
         self._selection.preview_click(None)
 
     def cursor_at(self, at: Place, reach: float) -> Cursor:

@@ -1,4 +1,4 @@
-"""The outline tool: draws objects and contours along the edges, anchor by anchor, or freehand."""
+"""The outline tool: draws objects along the edges, anchor by anchor, or freehand."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from PySide6.QtCore import Qt
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.hand_editing import PathFinder
+from cpm_app.session.features.outline_editing import HeldCurve, PathFinder
 from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MIN_DRAWN_AREA, OBJECT_GROUP, Cursor, Tool
 from cpm_core.numerics import Array, Position, polyline
-from cpm_core.reconstruction import Contact, connect_by_path, snap_path_to_ridge
+from cpm_core.reconstruction import replace_stretch, snap_path_to_ridge
 
 
 class _Anchor(NamedTuple):
@@ -30,10 +30,10 @@ class _Anchor(NamedTuple):
 
 
 class OutlineTool(Tool):
-    """Draws an object, or an open contour: clicks set anchors, and the line between them follows the edges.
+    """Draws an object, open or closed: clicks set anchors, and the line between them follows the edges.
 
-    With Shift the line is straight, a drag draws freehand. A line that begins or ends on a contour joins it there; a
-    line between two places of the same contour replaces the stretch between them.
+    With Shift the line is straight, a drag draws freehand. A line between two places of one outline replaces the
+    stretch between them; a contour of the run becomes an object by that.
     """
 
     name = "outline"
@@ -41,7 +41,9 @@ class OutlineTool(Tool):
     shortcut = "U"
     group = OBJECT_GROUP
     panel = "objects"
-    tip = tr("Click along the boundary of an object: the line follows the edges, and becomes an object when closed.")
+    tip = tr(
+        "Click along the boundary of an object: the line follows the edges, and becomes an object, open or closed."
+    )
     works_by_clicks = True
     keyboard_tip = tr(
         "Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it."
@@ -49,10 +51,10 @@ class OutlineTool(Tool):
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
-        self._editing = self._workspace.hand_editing
+        self._editing = self._workspace.outline_editing
         self._anchors: list[_Anchor] = []
         self._freehand: list[Position] = []
-        self._begin: Contact | None = None
+        self._begin: HeldCurve | None = None
         self._trace: PathFinder | None = None
         self._pointer: Position | None = None
         self._pressed: Position | None = None
@@ -85,7 +87,7 @@ class OutlineTool(Tool):
         else:
             place = self._snap_anchor(at)
             if not self._anchors:
-                self._begin = self._find_contact(at)
+                self._begin = self._find_curve(at)
             self._add_anchor(place, at, self._trace_piece(place))
             self._pressed, self._freehand = place, []
             self._show_draft()
@@ -123,9 +125,9 @@ class OutlineTool(Tool):
             self._show_draft()
 
     def finish(self, closed: bool = False) -> None:
-        """Turn the line into an object or contour that ends at the last anchor."""
+        """Turn the line into an object, or into a stretch of the outline on which it begins and ends."""
         begin, pieces = self._begin, self._pieces
-        last = self._find_contact(self._anchors[-1].place) if pieces else None
+        end = self._find_curve(self._anchors[-1].place) if pieces else None
         self.cancel()
         if not pieces:
             return
@@ -134,10 +136,11 @@ class OutlineTool(Tool):
             self._session.messages.show(
                 tr("That is too small for an outline. {advice}", advice=self.tip), category=EDITING_CATEGORY
             )
-        elif closed:
-            self._workspace.object_list.select_objects((self._editing.add_outline(path[:-1]),))
+        elif not closed and begin is not None and end is not None and begin.is_on_same_curve(end):
+            self._editing.redraw_curve(begin, replace_stretch(begin.place, end.place, path))
         else:
-            self._editing.add_edits(connect_by_path(path, begin, last))
+            number = self._editing.add_outline(path[:-1] if closed else path, closed)
+            self._workspace.object_list.select_objects((number,))
 
     def remove_last_part(self) -> None:
         """Remove the last anchor."""
@@ -167,16 +170,16 @@ class OutlineTool(Tool):
     def _pieces(self) -> list[Array]:
         return [anchor.piece for anchor in self._anchors[1:]]
 
-    def _find_contact(self, at: Position) -> Contact | None:
-        """Find the contour that a line touches where it begins or ends."""
-        return None if self._is_straight else self._editing.find_contact(at, 0.5 * self._reach)
+    def _find_curve(self, at: Position) -> HeldCurve | None:
+        """Find the outline that a line touches where it begins or ends."""
+        return None if self._is_straight else self._editing.find_curve(at, 0.5 * self._reach)
 
     def _snap_anchor(self, at: Position) -> Position:
-        """Snap a place to the contour or edge under the pointer; with Shift, keep it."""
+        """Snap a place to the outline or edge under the pointer; with Shift, keep it."""
         if self._is_straight:
             return at
-        contact = self._find_contact(at)
-        return contact.place if contact is not None else self._editing.snap_to_edge(at)
+        held = self._find_curve(at)
+        return held.place.place if held is not None else self._editing.snap_to_edge(at)
 
     def _trace_piece(self, place: Position) -> Array:
         """Trace the line from the last anchor to a place, shape (K, 2), clear of the pieces drawn before."""

@@ -6,10 +6,11 @@ import operator
 
 from PySide6.QtCore import Qt
 
+from cpm_app.model.display.lengths import format_measured_length
 from cpm_app.model.document.edits import ShapeHit
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr, translate_core_text
-from cpm_app.session.features.object_rows import RowKey
+from cpm_app.session.features.object_rows import ItemKey
 from cpm_app.session.features.slices import hit_shape
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import SELECT_GROUP, Cursor, ShapeTool
@@ -45,15 +46,15 @@ class SelectTool(ShapeTool):
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         super().set_up()
-        self._review, self._list = self._workspace.review, self._workspace.object_list
+        self._list = self._workspace.object_list
         self._part = ""
         self._anchor: Place = (0.0, 0.0)
         self._crossing = False
         self._reach = 0.0
         self._corner: Position | None = None
         """Corner where the frame begins."""
-        self._selected_before: frozenset[RowKey] = frozenset()
-        self._met_keys: frozenset[RowKey] = frozenset()
+        self._selected_before: frozenset[ItemKey] = frozenset()
+        self._met_keys: frozenset[ItemKey] = frozenset()
         self._removes = False
 
     @property
@@ -62,11 +63,22 @@ class SelectTool(ShapeTool):
         if self._corner is not None:
             return insert_keys(tr("Shift adds to the selection, Ctrl removes from it; {key:escape} cancels."))
         kinds = {row.kind for row in self._list.selected_rows}
+        contours = self._workspace.contour_selection.selected_contours
+        if contours and not kinds:
+            image = self._session.image
+            length = "" if image is None else format_measured_length(
+                sum(contour.length for contour in contours), image.spacing, image.unit
+            )  # fmt: skip
+            words = tr("1 contour, {length} long") if len(contours) == 1 else tr("{count} contours, {length} long")
+            return tr(
+                "{contours}. Enter accepts as objects.", contours=words.format(count=len(contours), length=length)
+            )
         if kinds == {"object"}:
             return insert_keys(tr("{key:name_object}: rename · 1-9: class · Delete: remove · {key:reject}: reject"))
         if kinds:
             return insert_keys(tr("Enter accepts · {key:reject} rejects · {key:name_object}: name · 1-9: class"))
-        return tr("Click to select, or drag a frame around several.") if self._list.rows else ""
+        listed = self._list.rows or self._session.scene.contours
+        return tr("Click to select, or drag a frame around several.") if listed else ""
 
     def on_press(self, at: Place, reach: float) -> None:
         """Select the shape, object or contour under the pointer, or begin a frame."""
@@ -76,7 +88,7 @@ class SelectTool(ShapeTool):
         if found is not None:
             self._begin_gesture(found.index)
             self._part, self._anchor = found.part, found.handle or at
-            self._list.select_rows(())
+            self._list.select_items(())
             return
         self._crossing = key is None and self.current_slice is not None
         self._met_keys = frozenset(() if key is None else (key,))
@@ -110,7 +122,7 @@ class SelectTool(ShapeTool):
     def on_release(self) -> None:
         """Keep the selection; a click outside all items clears it."""
         if self._before is None and not self._met_keys and not self.modifiers & _SELECTION_MODIFIERS:
-            self._list.select_rows(())
+            self._list.select_items(())
         self._end_frame()
         super().on_release()
 
@@ -118,19 +130,19 @@ class SelectTool(ShapeTool):
         """Restore the shape and the selection, and highlight nothing."""
         if self._corner is not None:
             known = {row.key for row in self._list.rows}
-            self._list.select_rows(self._selected_before & known)
+            self._list.select_items(key for key in self._selected_before if key in known or key[0] == "contour")
         self._end_frame()
-        self._list.set_hovered_row(None)
+        self._list.set_hovered_item(None)
         super().cancel()
 
     def hide_marks(self) -> None:
         """Highlight nothing."""
-        self._list.set_hovered_row(None)
+        self._list.set_hovered_item(None)
 
     def cursor_at(self, at: Place, reach: float) -> Cursor:
         """Highlight the item under the pointer, and return arrows over a shape, a hand over another item."""
         found, key = self._find_item(at, reach)
-        self._list.set_hovered_row(key)
+        self._list.set_hovered_item(key)
         if found is None:
             if key is not None:
                 return Cursor.PointingHandCursor
@@ -146,7 +158,7 @@ class SelectTool(ShapeTool):
         found = self._find_shape(at, reach)
         return found is not None and found.part == "handle"
 
-    def _find_item(self, at: Place, reach: float) -> tuple[ShapeHit | None, RowKey | None]:
+    def _find_item(self, at: Place, reach: float) -> tuple[ShapeHit | None, ItemKey | None]:
         """Find the shape at a place, or else the row: lines before areas, the selected shape first."""
         found = self._find_shape(at, reach)
         if found is not None:
@@ -154,7 +166,7 @@ class SelectTool(ShapeTool):
             selected = found.index == self._session.selected_shape
             if found.part == "handle" or selected or shape.distance_to(at) <= reach:
                 return found, None
-        key = self._list.row_at(at, reach)
+        key = self._list.item_at(at, reach)
         return (None, key) if key is not None else (found, None)
 
     def _find_shape(self, at: Place, reach: float) -> ShapeHit | None:
@@ -166,16 +178,16 @@ class SelectTool(ShapeTool):
             return
         frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
         self._removes = bool(self.modifiers & _DESELECT_MODIFIER)
-        self._met_keys = self._list.rows_inside(frame)
+        self._met_keys = self._list.items_inside(frame)
         self._drawing.show_draft((), (*frame, corner), theme.SELECTED_COLOR)
         self._update_selection()
 
     def _update_selection(self) -> None:
         """Combine the found items with the selection according to the modifier keys."""
         if self._removes:
-            self._list.select_rows(self._selected_before - self._met_keys)
+            self._list.select_items(self._selected_before - self._met_keys)
         else:
-            self._list.select_rows(
+            self._list.select_items(
                 self._met_keys | self._selected_before if self.modifiers & _SELECTION_MODIFIERS else self._met_keys
             )
         self._on_advice_changed()

@@ -20,7 +20,6 @@ from cpm_app.views.theme.icons import create_pointer
 from cpm_app.views.tools.tool import FREEHAND_SPACING, MEND_GROUP, Cursor, Tool
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Halves, SegmentedObject, split_object, split_object_along
-from cpm_core.reconstruction import Contact
 
 _SAMPLED_PLACES = 16
 """Number of places along a line that are searched for objects."""
@@ -30,20 +29,20 @@ _PREVIEW_DELAY = 40
 
 
 class SplitTool(Tool):
-    """Splits objects, proposals and closed contours between two clicks or along a line; cuts a contour at a click."""
+    """Splits objects and proposals between two clicks or along a line."""
 
     name = "split"
     menu_text = tr("Spli&t")
     shortcut = "K"
     group = MEND_GROUP
     panel = "objects"
-    tip = tr("Click one half of an object, then the other, or drag a line across it; a click on a contour cuts it.")
+    tip = tr("Click one half of an object, then the other, or drag a line across it.")
     works_by_clicks = True
-    keyboard_tip = tr("Enter in one half, then in the other; Enter on a contour cuts it.")
+    keyboard_tip = tr("Enter in one half, then in the other.")
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
-        self._editing, self._list = self._workspace.hand_editing, self._workspace.object_list
+        self._editing, self._list = self._workspace.outline_editing, self._workspace.object_list
         self._commands = self._workspace.object_commands
         self._clicked_object: SegmentedObject | None = None
         """Object with one half clicked."""
@@ -67,9 +66,6 @@ class SplitTool(Tool):
         if self._clicked_object is not None:
             name = self._list.title_of(self._clicked_object)
             return insert_keys(tr("Click the other half of {name}; {key:escape} cancels."), name=name)
-        at = self._at
-        if at is not None and self._find_contact(at) is not None and self._find_object(at) is None:
-            return tr("Click to cut the contour here.")
         return self._usage
 
     @property
@@ -128,18 +124,12 @@ class SplitTool(Tool):
             self._editing.request_edges()
         return create_pointer("knife")
 
-    def _find_contact(self, at: Place) -> Contact | None:
-        """Find the place of a contour in an image that a click would cut."""
-        return None if self.volume is not None else self._editing.find_contact(at, self._reach)
-
     def _on_click(self, at: Place) -> None:
         first, whole = self._clicked_object, self._find_object(at)
         if first is not None and object_contains(first, at):
             self._apply_split(first, partial(split_object, first, self._first, at, self._editing.edges), at)
         elif whole is not None:
             self._clicked_object, self._first = whole, at
-        elif first is None and (contact := self._find_contact(at)) is not None:
-            self._editing.cut_contour(contact)
         else:
             self._session.messages.show(
                 tr("There is no object here. {advice}", advice=self._usage), category=EDITING_CATEGORY
@@ -174,13 +164,11 @@ class SplitTool(Tool):
             self._session.messages.show(translate_core_text(str(error)), category=EDITING_CATEGORY)
 
     def _find_object(self, at: Place) -> SegmentedObject | None:
-        """Find the object, proposal or closed contour around a place: a selected one first, then the smallest."""
-        rows, under = self._list.selected_rows, ("object", self._list.object_number_at(at))
-        key = under if under[1] else self._list.row_at(at, 0.0)
-        wholes = [
-            self._commands.object_of_row(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))
-        ]
-        return next((item for item in wholes if item is not None and object_contains(item, at)), None)
+        """Find the object or proposal around a place: a selected one first, then the smallest object."""
+        under = ("object", self._list.object_number_at(at))
+        key = under if under[1] else self._list.item_at(at, 0.0)
+        rows = (*self._list.selected_rows, *(row for row in self._list.rows if row.key == key))
+        return next((row.item for row in rows if not row.item.hidden and object_contains(row.item, at)), None)
 
     def _show_preview(self) -> None:
         """Draw the line, or the clicked half and the cut that a click here would make."""

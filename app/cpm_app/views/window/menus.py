@@ -86,7 +86,7 @@ CONTEXT_MENU_ACTIONS: Mapping[str, Texts] = {
               "layer_particles", "layer_forces"),
     "shape": ("enlarge", "shrink", "delete", "", *_RUN_MENU_ACTIONS),
     "charge": ("enlarge", "shrink", "delete", "", "layer_potential", "layer_field"),
-    "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects", "close_contours",
+    "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects",
                "objects_alike", "change_object", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
                "delete_object"),
     "step": ("timeline_parameters", "timeline_delete", "", "export"),

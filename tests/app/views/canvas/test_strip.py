@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
-from cpm_app.session.scene import ContourItem, ReviewedContours
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QLabel
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import measure
-from cpm_core.contours.review import Mark, ReviewedContour
+from tests.app.conftest import show_contours
 
 pytestmark = pytest.mark.shared_window
 
@@ -24,7 +20,7 @@ def rested(ready, hand):
     """A window with a finished run."""
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.scene.contours.result is not None and ready.session.idle)
+    hand.wait(lambda: ready.session.scene.result is not None and ready.session.idle)
     ready.canvas_area.strip.legend.update_now()
     return ready
 
@@ -60,10 +56,6 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
     rested.canvas_area.strip.legend.update_now()
     shown = (("found", sum(layers.contours.counts)), ("proposed", len(offered)), ("area of the start", 1))
     assert {entry.text: entry.count for entry in legend.entries} == {text: count for text, count in shown if count}
-    rested.workspace.review.select(item.key for item in rested.workspace.review.items)
-    rested.workspace.object_commands.reject_selected()
-    legend.update_now()
-    assert {entry.text for entry in legend.entries} - {"proposed", "area of the start"} == {"rejected"}
     for name in ("contours", "objects", "start_area"):
         layers[name].set_shown(False)
     legend.update_now()
@@ -100,13 +92,8 @@ def test_particles_lead_during_a_run_and_recede_after_it(rested) -> None:
     assert particles.diameter_factor(rested.session.scene.snapshot) == 1.0
 
 
-def test_short_open_contours_recede_and_kept_ones_do_not(rested) -> None:
-    layer, session = rested.canvas_area.canvas.layers.contours, rested.session
-    half = rested.workspace.review.items[0].contour.points[:3]
-    contour = Contour(half, False)
-    (row,) = measure((contour,), (1.0, 1.0), contrast=False)
-    for mark, short in ((None, 1), (Mark((1.0, 1.0), "kept"), 0)):
-        items = (ContourItem(1, ReviewedContour(contour, mark, 0), row),)
-        shown = ReviewedContours(items, None, session.scene.contours.result)
-        rested.canvas_area.canvas.draw_scene(replace(session.scene, contours=shown))
-        assert layer.short.count == short
+def test_short_open_contours_recede_and_closed_ones_do_not(rested) -> None:
+    layer, points = rested.canvas_area.canvas.layers.contours, rested.session.scene.contours[0].points[:3]
+    for closed in (False, True):
+        show_contours(rested, Contour(points, closed))
+        assert layer.short.count == (not closed)

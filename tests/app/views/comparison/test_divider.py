@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from cpm_app.model.document.contours import set_verdict
 from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.views.features.compare import CompareFeature
 from PySide6.QtCore import QPoint, QPointF, Qt
@@ -22,7 +23,7 @@ def wipe(ready, hand):
     """The divider of a window with a finished run, whose result has been kept and chosen by mouse."""
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.scene.contours.result is not None and ready.session.idle)
+    hand.wait(lambda: ready.session.scene.result is not None and ready.session.idle)
     feature, compared = ready.get_feature(CompareFeature), ready.workspace.comparison
     hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
     hand.wait(feature.panel.isVisible)
@@ -47,9 +48,7 @@ def drag(divider, by: int) -> None:
 
 
 def test_both_sides_show_their_result_at_the_same_place(ready, wipe, hand) -> None:
-    review = ready.workspace.review
-    targets = review.edit_targets(review.items)
-    ready.session.edit("reject", lambda document: set_verdict(document, targets, "rejected"))
+    ready.session.store.set_scene(replace(ready.session.scene, reconstruction=None))
     mirror = wipe.mirror
     assert [name.text() for name in wipe.names] == [
         "Shown now",

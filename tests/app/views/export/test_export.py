@@ -62,7 +62,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
-    assert sorted(item.contour.closed for item in window.workspace.review.items) == [False, True, True]
+    assert sorted(contour.closed for contour in window.session.scene.contours) == [False, True, True]
     return window
 
 
@@ -130,10 +130,9 @@ def test_labels_are_the_closed_contours_and_open_ones_are_counted(found, hand, f
     assert "2 contours, 1 open ones left out" in found.canvas_area.messages.text
 
 
-def test_only_what_is_chosen_is_written_with_the_numbers_of_the_table(found, hand, folder) -> None:
-    review = found.workspace.review
-    numbers = {item.measures.number: item.key for item in review.items}
-    review.select([numbers[1], numbers[3]])
+def test_only_the_selected_contours_are_written(found, hand, folder) -> None:
+    lengths = [contour.length for contour in found.session.scene.contours]
+    found.workspace.contour_selection.select([0, 2])
     dialog = asked(hand.qtbot, found)
     check(hand.qtbot, dialog, "contours:.json")
     for wanted in ([1, 3], [1, 2, 3]):
@@ -141,7 +140,8 @@ def test_only_what_is_chosen_is_written_with_the_numbers_of_the_table(found, han
         assert f": {len(wanted)} contours" in dialog.summary.text()
     hand.qtbot.mouseClick(dialog.only, LEFT, pos=dialog.only.rect().center() * 0.1)
     (path,) = order(hand.qtbot, found, dialog, folder)
-    assert [one["number"] for one in json.loads(path.read_text(encoding="utf-8"))["contours"]] == [1, 3]
+    written = [one["length"] for one in json.loads(path.read_text(encoding="utf-8"))["contours"]]
+    assert written == pytest.approx([lengths[0], lengths[2]], abs=1e-3)
 
 
 def test_a_figure_shows_image_contours_and_a_scale_bar(found, hand, folder) -> None:

@@ -97,7 +97,7 @@ def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, 
     assert session.status.stale
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
-    assert session.scene.contours.items == ()
+    assert session.scene.contours == ()
     assert not session.status.stale
     hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
     assert session.status.stale

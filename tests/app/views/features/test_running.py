@@ -221,7 +221,7 @@ def test_what_the_sliders_of_the_motion_change_is_shown_next_to_them(ready, hand
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle)
-    outline = ready.session.scene.contours.items[0].measures.length
+    outline = ready.session.scene.contours[0].length
     words = [rows[name].effect.text() for name in MOTION_PARAMETERS]
     assert words[:2] == ["at rest", f"{outline:.0f} px of contours"]
     assert words[2] == "creeps up to 2.0 px"

@@ -18,8 +18,6 @@ from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 
 from cpm_core import PRESETS, Engine, circle
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import measure
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
@@ -103,12 +101,10 @@ def test_the_number_next_to_a_slider_goes_where_its_explanation_says(name, data)
 
 
 def test_contours_that_a_filter_leaves_are_counted() -> None:
-    line = np.column_stack([np.zeros(20), np.arange(20.0)])
-    rows = measure([Contour(line, False), Contour(line[:5], False), Contour(line[::4] + 40.0, True)])
-    assert describe_contours_left(rows, "min_length", 100.0, 4) == "4 → 0 contours"
-    assert describe_contours_left(rows, "min_length", 10.0, None) == "2 contours"
-    assert describe_contours_left(rows, "min_length", 25.0, None) == "1 contour"
-    assert describe_contours_left((), "min_length", 25.0, None) == ""
+    assert describe_contours_left(0, 4) == "4 → 0 contours"
+    assert describe_contours_left(2, None) == "2 contours"
+    assert describe_contours_left(1, None) == "1 contour"
+    assert describe_contours_left(0, None) == ""
 
 
 @pytest.mark.usefixtures("found")
@@ -116,13 +112,13 @@ def test_a_filter_that_is_dragged_tells_before_and_after_and_then_what_is_left(w
     row = window.panels["run"].parameters.rows["min_strength"]
     assert row.effect.text() == "4 contours"
     slider = row.slider
-    strengths = sorted(item.measures.strength for item in window.workspace.review.items)
+    strengths = sorted(contour.strength for contour in window.session.scene.contours)
     between = 0.5 * (strengths[0] + strengths[1])
     hand.qtbot.mousePress(slider, LEFT, pos=QPoint(6, slider.height() // 2))
     slider.setSliderPosition(round(between / slider._step))
     value = window.session.document.parameters.min_strength
     left = sum(strength >= value for strength in strengths)
-    assert row.effect.text() == f"4 → {left} contours"
+    hand.wait(lambda: row.effect.text() == f"4 → {left} contours")
     hand.qtbot.mouseRelease(slider, LEFT, pos=QPoint(6, slider.height() // 2))
-    hand.wait(lambda: window.session.idle and len(window.workspace.review.items) == left)
+    hand.wait(lambda: window.session.idle and len(window.session.scene.contours) == left)
     assert row.effect.text() == f"{left} contours"

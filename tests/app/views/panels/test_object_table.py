@@ -1,4 +1,4 @@
-"""One table of objects, proposals and contours: what it shows, and what is done in it by mouse and keys."""
+"""The table of objects and proposals: what it shows, and what is done in it by mouse and keys."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cpm_app.model.document.edits import set_pixel_size
-from cpm_app.session.exchange.contour_tracking import ContourTracker
-from cpm_app.session.scene import Proposal, ReviewedContours
+from cpm_app.session.scene import Proposal
 from cpm_app.views.features.objects import ObjectsFeature
 from PySide6.QtCore import QCoreApplication, QPoint, QRect, Qt
 from PySide6.QtWidgets import QLineEdit, QMenu
@@ -18,7 +17,7 @@ from PySide6.QtWidgets import QLineEdit, QMenu
 from cpm_core.contours.contour import Contour
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.objects.selection import Selection
-from cpm_core.results import boundaries_result
+from tests.app.conftest import show_contours
 
 pytestmark = pytest.mark.shared_window
 
@@ -37,17 +36,6 @@ FRAME = SegmentedObject(1, (Click(((12.0, 12.0),)),), (OUTER, HOLE), (GAP,), 0.7
 DOT = SegmentedObject(2, (Click(((24.0, 24.0),)),), (square(21.5, 21.5, 4.0),), category=2)
 
 
-def shown_contours(window, *contours: Contour) -> None:
-    """Show contours as a run would have found them."""
-    image = window.session.image
-    result = boundaries_result(contours, [], image.shape, image.spacing, image.unit, "")
-    tracked = ContourTracker().track_contours(result, thorough=True)
-    scene = window.session.scene
-    window.session.store.set_scene(
-        replace(scene, contours=ReviewedContours.from_tracked(tracked, scene.document.marks))
-    )
-
-
 @pytest.fixture
 def offer(window, monkeypatch) -> Callable[..., None]:
     """Proposes squares, and nothing else."""
@@ -59,11 +47,11 @@ def _offer(window, *corners: tuple[float, float, float]) -> None:
     shape = window.session.image.shape
     row, col = np.indices(shape)
     found = []
-    for top, left, side in corners:
+    for key, (top, left, side) in enumerate(corners, start=1):
         mask = (row > top) & (row < top + side) & (col > left) & (col < left + side)
         line = Contour(np.array(square(top, left, side)), True, 5.0)
         place = np.array([[top + side / 2, left + side / 2]])
-        found.append(Proposal(Selection(mask, (line,), (), 0.9, place, np.empty((0, 2))), ()))
+        found.append(Proposal(Selection(mask, (line,), (), 0.9, place, np.empty((0, 2))), (), key=-key))
     scene = window.session.scene
     window.session.store.set_scene(replace(scene, objects=replace(scene.objects, proposals=tuple(found))))
 
@@ -86,13 +74,16 @@ def table(window, hand, panel):
     return panel.table
 
 
+RINGS = (5.5, 5.5, 30.0), (12.5, 12.5, 12.0), (45.5, 5.5, 8.0), (45.5, 30.5, 6.0)
+"""Squares of which the second lies in the first."""
+
+
 @pytest.fixture
-def drawn(window, panel):
-    """The table of a window with four closed contours, one in another, and an open one."""
-    rings = [(5.5, 5.5, 30.0), (12.5, 12.5, 12.0), (45.5, 5.5, 8.0), (45.5, 30.5, 6.0)]
-    closed = [Contour(np.array(square(*ring)), True, 10.0 + at) for at, ring in enumerate(rings)]
+def drawn(window, panel, offer):
+    """The table of a window with four proposals, four closed contours, one in another, and an open one."""
     line = Contour(np.array([[40.0, 5.0], [40.0, 50.0], [42.0, 58.0]]), False, 4.0)
-    shown_contours(window, *closed, line)
+    show_contours(window, *(Contour(np.array(square(*ring)), True, 10.0) for ring in RINGS), line)
+    offer(*RINGS)
     return panel.table
 
 
@@ -172,47 +163,56 @@ def test_a_click_on_a_row_chooses_its_object_and_a_heading_sorts(window, hand, t
     table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
 
 
-def test_a_contour_along_the_boundary_of_an_object_or_a_proposal_is_no_row(window, hand, table, offer) -> None:
-    near = square(22.0, 22.0, 3.2)  # half a pixel off the dot
-    part = Contour(np.array(square(9.5, 9.5, SIDE))[:3], False, 1.0)
-    away = Contour(np.array(square(52.5, 52.5, 5.0)), True, 1.0)
-    shown_contours(window, Contour(np.array(near), True, 1.0), part, away)
-    assert column(table, "class") == ["object", "class 2", "closed"]
-    offer((52.5, 52.5, 5.0))
-    assert column(table, "class") == ["object", "class 2", "proposal"]
-
-
-def test_the_filter_limits_the_rows_and_keeps_the_selection_and_the_summary_counts(
-    window, hand, panel, drawn, offer
+def test_contours_are_no_rows_and_the_filter_limits_the_rows_and_keeps_the_selection(
+    window, hand, panel, drawn
 ) -> None:
     window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((DOT,))))
-    offer((50.5, 50.5, 8.0))
-    hand.wait(lambda: panel.summary.text() == "1 object, 1 proposal, 4 closed contours, 1 open contour")
-    choose(hand, drawn, column(drawn, "class").index("open"))
-    hand.qtbot.keyClick(drawn, KEY.Key_Delete)
+    hand.wait(lambda: panel.summary.text() == "1 object, 4 proposals")
+    choose(hand, drawn, 2)
     counts = []
     for choice in range(panel.shown.count()):
         panel.shown.setFocus()
         while panel.shown.currentIndex() != choice:
             hand.qtbot.keyClick(panel.shown, KEY.Key_Down if choice > panel.shown.currentIndex() else KEY.Key_Up)
         counts.append(len(column(drawn, "number")))
-    assert counts == [7, 1, 1, 4, 1]
-    assert {row.kind for row in window.workspace.object_list.selected_rows} == {"rejected"}
+    assert counts == [5, 1, 4]
+    assert [row.key for row in window.workspace.object_list.selected_rows] == [("proposal", -2)]
     assert len(drawn.selectionModel().selectedRows()) == 1
 
 
 def test_accepted_closed_contours_are_objects_with_those_directly_in_them_as_holes(window, hand, drawn) -> None:
-    choose(hand, drawn, 0)
-    choose(hand, drawn, 1, SHIFT)
+    window.workspace.object_list.select_items([("contour", 0), ("contour", 1)])
     window.actions_by_name["accept"].trigger()
     (one,) = items(window)
     assert one.area == pytest.approx(900.0 - 144.0)
-    assert undo_name(window).startswith("accept")
-    assert column(drawn, "class").count("closed") == 2
+    assert undo_name(window) == "accept contour"
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, CONTROL)
     assert items(window) == ()
-    assert column(drawn, "class").count("closed") == 4
+
+
+def test_an_open_contour_is_accepted_as_an_open_object_with_a_length_and_no_area(window, hand, drawn) -> None:
+    window.workspace.object_list.select_items([("contour", 4)])
+    window.actions_by_name["accept"].trigger()
+    (one,) = items(window)
+    assert (one.area, one.mask(window.session.image.shape).any()) == (0.0, False)
+    assert column(drawn, "area")[0] == "–"
+    assert column(drawn, "length")[0] == f"{45.0 + math.hypot(2.0, 8.0):.3g}"
+    assert window.workspace.object_list.selected_numbers == {1}
+
+
+def test_the_table_does_not_move_under_the_pointer_when_a_row_is_selected(window, hand, panel, table) -> None:
+    hand.wait(lambda: not panel.name.isVisible())
+    place = table.mapTo(panel, QPoint(0, 0)), table.height()
+    for row in (0, 1):
+        choose(hand, table, row)
+        hand.wait(panel.name.isVisible)
+        assert (table.mapTo(panel, QPoint(0, 0)), table.height()) == place
+    at = cell(table, 1).center()
+    hand.qtbot.mouseDClick(table.viewport(), LEFT, pos=at)
+    editor = table.viewport().findChild(QLineEdit)
+    assert editor.geometry().contains(at), "the row under the pointer is named"
+    hand.qtbot.keyClick(editor, KEY.Key_Escape)
 
 
 def test_all_proposals_are_accepted_but_doubtful_ones_only_when_they_are_selected(window, drawn, offer) -> None:
@@ -223,54 +223,51 @@ def test_all_proposals_are_accepted_but_doubtful_ones_only_when_they_are_selecte
     window.session.store.set_scene(replace(scene, objects=replace(scene.objects, proposals=(sure, doubtful))))
     window.workspace.object_commands.accept_pending()
     assert [item.confidence for item in items(window)] == [0.9]
-    rows.select_rows([("proposal", -2)])
+    rows.select_items([("proposal", -2)])
     window.workspace.object_commands.accept_pending()
     assert [item.confidence for item in items(window)] == [0.9, 0.2]
 
 
-def test_several_rows_of_any_kind_are_accepted_in_one_step_and_open_contours_are_kept(
-    window, hand, drawn, offer
-) -> None:
-    offer((50.5, 50.5, 8.0))
+def test_all_rows_are_accepted_in_one_step_and_contours_are_not_among_them(window, hand, drawn) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_A, CONTROL)
+    assert window.session.scene.selected_contours == frozenset()
     hand.canvas.setFocus()
     window.actions_by_name["accept"].trigger()
-    # the inner ring is a hole of the outer one
-    assert sorted(len(item.boundary) for item in items(window)) == [1, 1, 1, 2]
-    assert undo_name(window) == "accept 6 objects"
-    assert [mark.verdict for mark in window.session.document.marks] == ["kept"]
+    assert [len(item.boundary) for item in items(window)] == [1, 1, 1, 1]
+    assert undo_name(window) == "accept 4 objects"
     window.session.undo()
-    assert items(window) == () and window.session.document.marks == ()
+    assert items(window) == ()
 
 
-def test_a_rejected_object_goes_and_is_listed_as_rejected_until_it_is_accepted_again(window, hand, table) -> None:
+def test_a_rejected_object_goes_until_that_is_undone(window, hand, table) -> None:
     choose(hand, table, 1)
     hand.key(KEY.Key_X)
     assert items(window) == (FRAME,)
-    assert column(table, "class") == ["object", "rejected"]
+    assert column(table, "class") == ["object"]
     assert window.session.document.objects.rejected == (DOT,)
-    choose(hand, table, 1)
-    window.actions_by_name["accept"].trigger()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Z, CONTROL)
     assert items(window) == (FRAME, DOT)
 
 
-def test_rejected_contours_are_undone_together(window, hand, drawn) -> None:
+def test_deleted_rows_are_dismissed_and_undone_together_and_contours_stay(window, hand, drawn) -> None:
+    contours = window.session.scene.contours
     choose(hand, drawn, 0)
     choose(hand, drawn, 2, SHIFT)
-    hand.key(KEY.Key_X)
-    assert column(drawn, "class").count("rejected") == 3
-    assert hand.canvas.layers.contours.rejected.count == 3
-    assert undo_name(window) == "reject 3 contours"
+    hand.qtbot.keyClick(drawn, KEY.Key_Delete)
+    assert len(window.session.document.objects.rejected) == 3
+    assert window.session.scene.contours is contours
+    assert undo_name(window) == "reject 3 objects"
     hand.key(KEY.Key_Z, CONTROL)
-    assert column(drawn, "class").count("rejected") == 0
+    assert window.session.document.objects.rejected == ()
 
 
 def test_a_digit_accepts_and_classes_and_the_second_class_asks_for_its_name(window, hand, drawn) -> None:
     choose(hand, drawn, 2)
     hand.qtbot.keyClick(drawn, KEY.Key_1)
     assert [item.category for item in items(window)] == [1]
-    choose(hand, drawn, column(drawn, "class").index("closed"))
+    choose(hand, drawn, column(drawn, "class").index("proposal"))
     hand.qtbot.keyClick(drawn, KEY.Key_2)
     assert [item.category for item in items(window)] == [1, 2]
     field = window.get_feature(ObjectsFeature).panel.classes[2].name
@@ -336,7 +333,7 @@ def test_objects_are_hidden_and_frozen(window, hand, table) -> None:
     assert items(window)[1].frozen
 
 
-def test_a_double_click_names_a_contour_which_accepts_it(window, hand, drawn) -> None:
+def test_a_double_click_names_a_proposal_which_accepts_it(window, hand, drawn) -> None:
     at = choose(hand, drawn, 2)
     hand.qtbot.mouseDClick(drawn.viewport(), LEFT, pos=at)
     editor = drawn.viewport().findChild(QLineEdit) or drawn.findChild(QLineEdit)
@@ -346,7 +343,7 @@ def test_a_double_click_names_a_contour_which_accepts_it(window, hand, drawn) ->
     assert column(drawn, "name")[0] == "xenon"
 
 
-def test_a_color_is_that_of_objects_and_contours_alike(window, hand, drawn) -> None:
+def test_a_color_is_that_of_the_selected_objects(window, hand, drawn) -> None:
     window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((DOT,))))
     choose(hand, drawn, 0)
     choose(hand, drawn, 1, SHIFT)
@@ -354,8 +351,7 @@ def test_a_color_is_that_of_objects_and_contours_alike(window, hand, drawn) -> N
     popup = window.findChildren(QMenu)[-1]
     next(action for action in popup.actions() if action.text() == "Orange").trigger()
     popup.close()
-    assert items(window)[0].color == "#e69f00"
-    assert [mark.color for mark in window.session.document.marks] == ["#e69f00"]
+    assert [item.color for item in items(window)] == ["#e69f00"]
 
 
 def test_new_contours_preserve_the_selection_and_a_name_being_edited(window, hand, drawn) -> None:
@@ -363,10 +359,8 @@ def test_new_contours_preserve_the_selection_and_a_name_being_edited(window, han
     hand.qtbot.keyClick(drawn, KEY.Key_F2)
     editor = drawn.findChild(QLineEdit)
     hand.qtbot.keyClicks(editor, "half a na")
-    scene = window.session.scene
-    again = replace(scene.contours, items=scene.contours.items[:3])
-    window.session.store.set_scene(replace(scene, contours=again))
-    assert len(column(drawn, "number")) == 3
+    show_contours(window, Contour(np.array(square(*RINGS[0])), True, 10.0))
+    assert len(column(drawn, "number")) == 4
     assert editor.text() == "half a na" and editor.isVisible()
     assert len(window.workspace.object_list.selected_keys) == 1
     hand.qtbot.keyClick(editor, KEY.Key_Escape)
@@ -376,12 +370,12 @@ def test_the_panel_opens_with_the_present_rows_and_its_key_gives_it_the_keyboard
     window, hand, panel, drawn
 ) -> None:
     window.docks.bring_to_front("run")
-    window.workspace.object_list.select_rows([("contour", 0)])
-    window.workspace.object_commands.reject_selected()
+    window.workspace.object_list.select_items([("proposal", -1)])
+    window.workspace.object_commands.accept_pending()
     hand.canvas.setFocus()
     hand.key(KEY.Key_O, CONTROL | SHIFT)
     hand.wait(panel.isVisible)
-    assert column(drawn, "class").count("rejected") == 1
+    assert column(drawn, "class").count("object") == 1
     assert len(drawn.selectionModel().selectedRows()) == 1
     assert drawn.hasFocus()
     hand.key(KEY.Key_O, CONTROL | SHIFT)

@@ -105,16 +105,16 @@ def test_each_page_keeps_its_shapes_its_undo_and_its_run(stack, hand) -> None:
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     settled(stack, hand)
-    here, found, done = session.document, session.scene.contours.result, session.status.step
+    here, found, done = session.document, session.scene.result, session.status.step
     assert len(found.contours) == 1
     go(stack, hand, page=2)
     assert isinstance(session.document.starts[0], Polygon)  # from the contours of the page before
     assert not session.history.undo_name
     session.edit("draw region", lambda document: edits.add_shape(document, REGION))
     go(stack, hand, Qt.Key.Key_PageUp, page=1)
-    hand.wait(lambda: session.status.step == done and bool(session.scene.contours.items))
+    hand.wait(lambda: session.status.step == done and bool(session.scene.contours))
     assert session.document == here
-    np.testing.assert_array_equal(session.scene.contours.result.contours[0].points, found.contours[0].points)
+    np.testing.assert_array_equal(session.scene.contours[0].points, found.contours[0].points)
     assert session.history.undo_name == "draw circle"
     session.undo()
     assert session.document.shapes == ()
@@ -139,7 +139,7 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
     np.testing.assert_allclose(np.diff(columns), [5, 5, 5], atol=0.3)
     assert "4 of 5 pages finished; tracks: 1. 1 could not be used." in feature.panel.summary.text()
     assert stack.session.status.phase == "finished"  # the page that is open shows its run
-    assert len(stack.session.scene.contours.items) == 1
+    assert len(stack.session.scene.contours) == 1
 
 
 def test_a_double_click_in_the_table_goes_to_the_contour_and_selects_it(window, hand, tmp_path) -> None:
@@ -151,15 +151,15 @@ def test_a_double_click_in_the_table_goes_to_the_contour_and_selects_it(window, 
     run_all(window, hand)
     hand.key(Qt.Key.Key_F11, Qt.KeyboardModifier.ShiftModifier)
     feature = window.get_feature(PagesFeature)
-    table, review = feature.panel.table, window.workspace.review
+    table, selection = feature.panel.table, window.workspace.contour_selection
     for row in reversed(range(table.model().rowCount())):
         told = table.rows.items[row]
         table.scrollTo(table.model().index(row, 0))
         place = table.visualRect(table.model().index(row, 0)).center()
         hand.qtbot.mouseClick(table.viewport(), LEFT, pos=place)
         hand.qtbot.mouseDClick(table.viewport(), LEFT, pos=place)
-        hand.wait(lambda told=told: feature.bar.number.value() == told.page and len(review.selected_items) == 1)
-        center = review.selected_items[0].contour.points.mean(axis=0)
+        hand.wait(lambda told=told: feature.bar.number.value() == told.page and len(selection.selected_contours) == 1)
+        center = selection.selected_contours[0].points.mean(axis=0)
         np.testing.assert_allclose(center, (told.row, told.col), atol=1.0)
 
 
@@ -173,7 +173,7 @@ def test_a_page_that_was_run_in_the_background_shows_its_contours_and_undo_leads
     go(stack, hand, Qt.Key.Key_PageUp, page=1)
     run_all(stack, hand)
     go(stack, hand, page=2)
-    hand.wait(lambda: bool(session.scene.contours.items))
+    hand.wait(lambda: bool(session.scene.contours))
     assert session.status.phase == "finished"
     assert isinstance(session.document.starts[0], Polygon)
     assert session.history.undo_name == "run all pages"
@@ -225,7 +225,7 @@ def test_a_session_keeps_the_pages(stack, hand, tmp_path) -> None:
     assert not documents.unsaved
     stack.canvas_area.canvas.setFocus()
     go(stack, hand, page=2)
-    hand.wait(lambda: bool(stack.session.scene.contours.items))
+    hand.wait(lambda: bool(stack.session.scene.contours))
     assert stack.session.status.phase == "finished"
     assert documents.path == tmp_path / "a.cpm"
     assert not documents.unsaved

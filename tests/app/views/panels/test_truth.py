@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.display.differences import find_boundary_differences
-from cpm_app.model.document.contours import set_verdict
 from cpm_app.model.document.imported import add_objects, objects_from_contours
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.comparison import CURRENT_KEY, ComparisonRow
@@ -106,18 +105,6 @@ def test_the_largest_difference_is_brought_into_view(compared, hand) -> None:
     assert seen.left() < low[1] < high[1] < seen.right()
     assert seen.top() < low[0] < high[0] < seen.bottom()
     assert seen.height() < 70
-
-
-def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> None:
-    before, agreed = figure(compared, "dice"), compared.workspace.comparison.agreements
-    review = compared.workspace.review
-    targets = review.edit_targets(review.items)
-    compared.session.edit("reject", lambda document: set_verdict(document, targets, "rejected"))
-    hand.wait(lambda: figure(compared, "dice") == 0.0)
-    assert math.isinf(compared.workspace.comparison.agreements[CURRENT_KEY].hausdorff)
-    compared.session.undo()
-    hand.wait(lambda: figure(compared, "dice") == before)
-    assert compared.workspace.comparison.agreements is not agreed
 
 
 def test_objects_are_compared_where_there_are_any(compared, hand) -> None:

@@ -1,4 +1,4 @@
-"""The tool that mends: what it will do is said before the press, on boundaries of objects, contours and elsewhere."""
+"""The tool that mends: what it will do is said before the press, on outlines of objects, contours and elsewhere."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
-from cpm_core.contours import HandEdit
+from cpm_core.contours.contour import Contour
 from cpm_core.objects.segmented import SegmentedObject
+from tests.app.conftest import show_contours
 
 pytestmark = pytest.mark.shared_window
 
@@ -26,16 +27,15 @@ def at(angle: float, radius: float) -> tuple[float, float]:
 
 @pytest.fixture
 def mended(window, hand):
-    """An object whose boundary lies next to the edge, an open contour in a corner, and the tool in use."""
+    """An object whose boundary lies next to the edge, an open contour of a run in a corner, and the tool in use."""
     ring = tuple(at(0.05 * math.pi * k, DRAWN) for k in range(40))
-    line = HandEdit(added=tuple((3.0, float(col)) for col in range(4, 16)))
     bone = SegmentedObject(1, (), (ring,), name="bone")
-    window.session.edit("bone", lambda d: replace(d, hand_edits=(line,), objects=replace(d.objects, items=(bone,))))
+    window.session.edit("bone", lambda d: replace(d, objects=replace(d.objects, items=(bone,))))
+    show_contours(window, Contour(np.array([(3.0, float(col)) for col in range(4, 16)]), False))
     hand.canvas.setFocus()
     hand.key(KEY.Key_J)
     hand.move(32, 32)
-    hand.wait(lambda: window.workspace.hand_editing.edges is not None and window.session.idle)
-    hand.wait(lambda: len(window.workspace.review.items) == 1)
+    hand.wait(lambda: window.workspace.outline_editing.edges is not None and window.session.idle)
     return window
 
 
@@ -62,8 +62,7 @@ def test_words_and_pointer_say_before_a_press_what_it_will_do(mended, hand) -> N
     words = mended.canvas_area.strip.hint
     for place, said, alone, pointer in (
         (at(0.0, DRAWN), "pull the boundary of bone", "bend the boundary of bone", Qt.CursorShape.OpenHandCursor),
-        ((3, 9), "pull the contour", "cut the contour", Qt.CursorShape.OpenHandCursor),
-        ((3, 4), "to another end", "to another end", Qt.CursorShape.BitmapCursor),
+        ((3, 9), "becomes an object", "becomes an object", Qt.CursorShape.OpenHandCursor),
         ((32, 32), "add to bone", "erase from bone", Qt.CursorShape.CrossCursor),
         ((60, 3), "paint a new object", "over an object", Qt.CursorShape.CrossCursor),
     ):
@@ -101,7 +100,6 @@ def test_with_shift_it_bends_and_what_is_bent_is_a_gap(mended, hand) -> None:
     item = bone(mended)
     assert radii(item).max() == pytest.approx(28.0, abs=0.5)
     assert len(item.gaps) == 1 and len(item.gaps[0]) > 10
-    assert len(mended.session.document.hand_edits) == 1, "contours stay as they are"
 
 
 def test_a_frozen_object_is_not_pulled_and_a_click_chooses(mended, hand) -> None:
@@ -129,3 +127,35 @@ def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
     size = mended.workspace.object_brush.radius
     hand.key(KEY.Key_BracketRight)
     assert mended.workspace.object_brush.radius == pytest.approx(1.2 * size)
+
+
+def test_a_contour_that_is_pulled_becomes_an_object_in_one_step_and_the_run_stays(mended, hand) -> None:
+    hand.drag((3, 9), (5, 9), (7, 9))
+    _, line = mended.session.document.objects.items
+    assert line.area == 0.0 and np.array(line.line)[:, 0].max() == pytest.approx(7.0, abs=1.0)
+    np.testing.assert_allclose(np.array(line.line)[[0, -1]], [(3.0, 4.0), (3.0, 15.0)], atol=1.5)
+    (contour,) = mended.session.scene.contours
+    assert (contour.points[:, 0] == 3.0).all()
+    hand.key(KEY.Key_Z, CONTROL)
+    assert [item.name for item in mended.session.document.objects.items] == ["bone"]
+
+
+def test_a_click_on_a_contour_selects_it_and_enter_makes_an_open_object_that_can_be_pulled(mended, hand) -> None:
+    hand.click(3, 9)
+    assert mended.session.scene.selected_contours == {0}
+    hand.key(KEY.Key_Return)
+    _, line = mended.session.document.objects.items
+    assert line.measure_perimeter() == pytest.approx(11.0)
+    hand.drag((3, 9), (5, 9), (7, 9))
+    _, pulled = mended.session.document.objects.items
+    assert pulled.number == line.number and pulled.measure_perimeter() > 13.0
+
+
+def test_a_contour_in_hand_is_pulled_even_if_the_run_has_others_meanwhile(mended, hand) -> None:
+    hand.press(3, 9)
+    hand.move(5, 9)
+    show_contours(mended)
+    hand.move(7, 9)
+    hand.release(7, 9)
+    _, line = mended.session.document.objects.items
+    assert np.array(line.line)[:, 0].max() == pytest.approx(7.0, abs=1.0)

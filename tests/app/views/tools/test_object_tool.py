@@ -488,13 +488,26 @@ def test_each_result_of_a_run_is_partitioned_once(window, hand, objects, monkeyp
     monkeypatch.setattr(selector, "partition", slow)
     window.actions_by_name["start_grid"].trigger()
     hand.key(KEY.Key_Space)
-    hand.wait(lambda: bool(window.session.scene.contours.result and window.session.scene.contours.result.stop_reason))
+    hand.wait(lambda: bool(window.session.scene.result and window.session.scene.result.stop_reason))
     at_rest.set()
-    hand.wait(lambda: objects.partition_updater.source is window.session.scene.contours.result)
+    hand.wait(lambda: objects.partition_updater.source is window.session.scene.result)
     chosen = objects.partition_updater.partition
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
     assert objects.partition_updater.partition is chosen
     assert len({id(each) for each in prepared}) == len(prepared)
+
+
+def test_merged_proposals_leave_none_of_them_behind(window, hand, objects) -> None:
+    starts = tuple(Circle(center, 4.0) for center, _ in (LARGE, SMALL))
+    window.session.edit("draw", lambda document: replace(document, shapes=starts))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
+    hand.key(KEY.Key_M)
+    hand.wait(lambda: objects.idle)
+    (whole,) = window.session.document.objects.items
+    assert len(whole.boundary) == 2 and objects.proposals == ()
 
 
 def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> None:
@@ -504,8 +517,8 @@ def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> No
     session.edit("draw", lambda d: replace(d, shapes=(Circle(LARGE[0], 4.0),)))
     session.run()
     hand.wait_for_phase("finished")
-    hand.wait(lambda: session.scene.contours.result is not None and session.scene.contours.result.stop_reason != "")
-    hand.wait(lambda: objects.partition_updater.source is session.scene.contours.result)
+    hand.wait(lambda: session.scene.result is not None and session.scene.result.stop_reason != "")
+    hand.wait(lambda: objects.partition_updater.source is session.scene.result)
     hand.wait(lambda: objects.proposals[0].selection is not before)
     assert overlap(offered(objects), disk(*SMALL)) > 0.85
     session.reset()

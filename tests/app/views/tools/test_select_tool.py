@@ -18,8 +18,7 @@ from PySide6.QtWidgets import QApplication
 from cpm_core.contours.contour import Contour
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Circle
-from tests.app.conftest import Hand
-from tests.app.views.panels.test_object_table import shown_contours
+from tests.app.conftest import Hand, show_contours
 
 pytestmark = pytest.mark.shared_window
 
@@ -42,7 +41,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     session = window.session
     session.open_file(path)
     hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
-    shown_contours(window, *(Contour(ring(place), True, 5.0) for place in PLACES))
+    show_contours(window, *(Contour(ring(place), True, 5.0) for place in PLACES))
     hand.canvas.setFocus()
     hand.key(KEY.Key_S)
     return window
@@ -68,7 +67,7 @@ def move(hand: Hand, at: tuple[float, ...], held: Qt.KeyboardModifier) -> None:
 
 
 def selected(window: MainWindow) -> set[tuple[int, int]]:
-    centers = [np.mean(item.contour.points, axis=0) for item in window.workspace.review.selected_items]
+    centers = [np.mean(contour.points, axis=0) for contour in window.workspace.contour_selection.selected_contours]
     return {min(PLACES, key=lambda place: float(np.hypot(*(center - place)))) for center in centers}
 
 
@@ -107,10 +106,12 @@ def test_escape_during_a_drag_selects_what_was_selected_before(found, hand) -> N
     assert selected(found) == {(20, 20)}
 
 
-def test_a_click_inside_a_closed_contour_selects_it_and_enter_makes_an_object_that_f2_names(found, hand) -> None:
-    drag(hand, (20.0, 60.0))
+def test_a_click_on_a_contour_tells_its_length_and_enter_makes_an_object_that_f2_names(found, hand) -> None:
+    drag(hand, (20.0, 71.0))
     assert selected(found) == {(20, 60)}
+    assert "69.1 px long" in found.canvas_area.strip.hint.text()
     hand.key(KEY.Key_Return)
+    assert found.session.history.undo_name == "accept contour"
     hand.key(KEY.Key_F2)
     field = found.get_feature(ObjectsFeature).panel.name
     hand.wait(field.hasFocus)
@@ -122,47 +123,71 @@ def test_a_click_inside_a_closed_contour_selects_it_and_enter_makes_an_object_th
     assert (chosen(found), selected(found)) == ({item.number}, set()), "the contour around it is that of the object"
 
 
-def test_objects_and_contours_are_selected_together_and_merged(found, hand) -> None:
-    item = SegmentedObject(1, (), (tuple(map(tuple, ring((60, 20)).tolist())),))
-    found.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((item,))))
+def disk_object(number: int, place: tuple[int, int]) -> SegmentedObject:
+    return SegmentedObject(number, (), (tuple(map(tuple, ring(place).tolist())),))
+
+
+def add_objects(window: MainWindow, *items: SegmentedObject) -> None:
+    window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects(items)))
+
+
+def test_a_frame_takes_objects_before_contours_and_both_are_selected_together_by_clicks(found, hand) -> None:
+    add_objects(found, disk_object(1, (60, 20)))
     drag(hand, (40.0, 3.0), (80.0, 80.0))
+    assert (chosen(found), selected(found)) == ({1}, set())
+    drag(hand, (60.0, 71.0), held=SHIFT)
     assert (chosen(found), selected(found)) == ({1}, {(60, 60)})
-    hand.key(KEY.Key_M)
-    (whole,) = found.session.document.objects.items
-    assert (whole.number, len(whole.boundary)) == (1, 2)
-    assert found.session.history.undo_name == "merge 2 objects"
+    hand.key(KEY.Key_Return)
+    assert len(found.session.document.objects.items) == 2
 
 
-def test_delete_removes_objects_rejects_contours_and_a_double_click_names(found, hand) -> None:
-    drag(hand, (20.0, 20.0))
+def test_delete_and_the_keys_of_objects_leave_contours_as_they_are(found, hand) -> None:
+    add_objects(found, disk_object(1, (60, 20)))
+    before, contours = found.session.document, found.session.scene.contours
+    drag(hand, (20.0, 31.0))
+    for key in (KEY.Key_Delete, KEY.Key_X, KEY.Key_M, KEY.Key_F2):
+        hand.key(key)
+        assert found.session.document == before and found.session.scene.contours is contours
+    hand.key(KEY.Key_A, CONTROL)
+    assert (chosen(found), selected(found)) == ({1}, set())
     hand.key(KEY.Key_Delete)
-    assert [mark.verdict for mark in found.session.document.marks] == ["rejected"]
+    assert found.session.document.objects.items == () and found.session.scene.contours is contours
+
+
+def test_a_double_click_names_the_object_under_the_pointer(found, hand) -> None:
+    add_objects(found, disk_object(1, (20, 60)))
     hand.double_click(20.0, 60.0)
     hand.release(20.0, 60.0)  # which QTest leaves out
     field = found.get_feature(ObjectsFeature).panel.name
     hand.wait(field.hasFocus)
     hand.qtbot.keyClick(field, KEY.Key_Escape)
-    assert found.session.document.objects.items == ()
+
+
+def test_other_contours_take_the_place_of_the_selected_ones(found, hand) -> None:
+    drag(hand, (3.0, 3.0), (80.0, 118.0))
+    assert len(selected(found)) == 6
+    show_contours(found, Contour(ring((20, 20)), True, 5.0))
+    assert selected(found) == set()
 
 
 def test_a_line_of_a_shape_comes_before_what_lies_under_it_and_its_inside_after(found, hand) -> None:
     circle = Circle((20.0, 60.0), 15.0)
     found.session.edit("draw", lambda document: edits.add_shape(document, circle))
+    add_objects(found, disk_object(1, (20, 60)))
     drag(hand, (20.0, 60.0))
-    assert (found.session.selected_shape, selected(found)) == (None, {(20, 60)})
+    assert (found.session.selected_shape, chosen(found)) == (None, {1})
     drag(hand, (20.0, 75.0), (30.0, 75.0))
-    assert (found.session.selected_shape, selected(found)) == (0, set())
+    assert (found.session.selected_shape, chosen(found)) == (0, set())
     assert found.session.document.shapes[0].center == pytest.approx((30.0, 60.0), abs=0.5)
 
 
-def test_keys_alone_select_and_accept(found, hand) -> None:
+def test_keys_alone_select_and_reject(found, hand) -> None:
+    add_objects(found, *(disk_object(number, place) for number, place in enumerate(PLACES, start=1)))
     hand.key(KEY.Key_N, SHIFT)
     hand.key(KEY.Key_N, SHIFT)
-    assert len(found.workspace.object_list.selected_keys) == 1
+    assert chosen(found) == {2}
     hand.key(KEY.Key_I, CONTROL)
-    assert len(found.workspace.object_list.selected_keys) == 5
-    hand.key(KEY.Key_Return)
-    assert len(found.session.document.objects.items) == 5
-    assert found.session.history.undo_name == "accept 5 contours"
+    assert chosen(found) == {1, 3, 4, 5, 6}
     hand.key(KEY.Key_X)
     assert len(found.session.document.objects.rejected) == 5
+    assert found.session.history.undo_name == "reject 5 objects"

@@ -1,4 +1,4 @@
-"""The tool that splits: touching nuclei whose parts are known, by clicks, lines and keys, and contours."""
+"""The tool that splits: touching nuclei whose parts are known, by clicks, lines and keys."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from cpm_app.model.document import objects
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
-from cpm_core.contours import HandEdit
 from cpm_core.numerics import polyline
 from cpm_core.objects.segmented import SegmentedObject
 
@@ -44,7 +43,7 @@ def pair(window, hand):
     hand.canvas.setFocus()
     hand.key(KEY.Key_K)
     hand.move(5, 5)
-    hand.wait(lambda: window.workspace.hand_editing.edges is not None)
+    hand.wait(lambda: window.workspace.outline_editing.edges is not None)
     return window
 
 
@@ -126,31 +125,8 @@ def test_both_halves_of_a_proposal_are_accepted(window, hand) -> None:
     hand.wait(lambda: selection.idle and selection.proposals[0].selection.mask[39, 44])
     hand.key(KEY.Key_K)
     hand.move(5, 5)
-    hand.wait(lambda: window.workspace.hand_editing.edges is not None)
+    hand.wait(lambda: window.workspace.outline_editing.edges is not None)
     hand.drag((40, 20), (22, 44))
     assert len(items(window)) == 2 and not selection.selecting
     hand.key(KEY.Key_Z, CONTROL)
     assert items(window) == () and selection.selecting
-
-
-def test_a_click_cuts_an_open_contour(window, hand) -> None:
-    line = tuple((50.0, float(col)) for col in range(6, 30))
-    window.session.edit("line", lambda d: replace(d, hand_edits=(HandEdit(added=line),)))
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_K)
-    hand.wait(lambda: window.session.idle and len(window.workspace.review.items) == 1)
-    hand.move(50, 18)
-    assert "cut the contour" in window.canvas_area.strip.hint.text()
-    hand.click(50, 18)
-    hand.wait(lambda: window.session.idle and len(window.workspace.review.items) == 2)
-
-
-def test_both_halves_of_a_closed_contour_are_accepted(window, hand) -> None:
-    closed = HandEdit(added=objects.round_line(around()), closed=True)
-    window.session.edit("closed", lambda d: replace(d, hand_edits=(closed,)))
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_K)
-    hand.wait(lambda: window.session.idle and len(window.workspace.object_list.rows) == 1)
-    hand.drag((43, 28), (21, 41))
-    assert [item.number for item in items(window)] == [1, 2]
-    assert [row.kind for row in window.workspace.object_list.rows] == ["object", "object"]

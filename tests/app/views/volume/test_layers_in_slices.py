@@ -36,10 +36,10 @@ def test_shift_f_shows_what_is_selected_in_the_slices_through_its_middle(volume,
 
 def test_a_kept_result_is_shown_beyond_the_divider_in_slices(run, hand) -> None:
     compared, canvas = run.workspace.comparison, run.canvas_area.canvas
-    hand.wait(lambda: len(canvas.drawn_scene.contours.items) == 1)
+    hand.wait(lambda: len(canvas.drawn_scene.contours) == 1)
     compared.keep_current()
     run.session.edit("draw", lambda document: edits.set_shapes(document, (Sphere((12.0, 14.0, 16.0), 3.0),)))
     compared.select_row(max(compared.rows))
     far = canvas.sections.from_scene(compared.scene_beyond_divider())
-    assert len(far.contours.items) == 1
+    assert len(far.contours) == 1
     assert far.document.shapes[0].line.radii != canvas.drawn_scene.document.shapes[0].line.radii

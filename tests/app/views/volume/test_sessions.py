@@ -39,7 +39,7 @@ def test_a_session_brings_back_drawing_run_and_slice(volume, hand, tmp_path, ima
     now = volume.session.scene.slices
     assert (now.axis, now.current.index) == (2, 9)
     np.testing.assert_array_equal(volume.session.scene.snapshot.position, found)
-    hand.wait(lambda: len(volume.canvas_area.canvas.drawn_scene.contours.items) > 0)
+    hand.wait(lambda: len(volume.canvas_area.canvas.drawn_scene.contours) > 0)
     assert not file.unsaved
 
 

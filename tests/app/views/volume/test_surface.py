@@ -39,12 +39,12 @@ def test_each_slice_shows_where_it_cuts_the_surface(found) -> None:
     for axis, index, off in ((0, 12, 0.5), (0, 7, 4.5), (1, 16, 2.5), (2, 11, 4.5)):
         found.workspace.slices.set_axis(axis)
         found.workspace.slices.go_to(index)
-        (item,) = canvas.drawn_scene.contours.items
-        away = np.linalg.norm(item.contour.points - np.delete(CENTER, axis), axis=1)
+        (contour,) = canvas.drawn_scene.contours
+        away = np.linalg.norm(contour.points - np.delete(CENTER, axis), axis=1)
         assert away.mean() == pytest.approx(np.sqrt(RADIUS**2 - off**2), abs=0.35)
         assert canvas.layers.contours.counts == (1, 0)
     found.workspace.slices.go_to(0)
-    assert canvas.drawn_scene.contours.items == ()
+    assert canvas.drawn_scene.contours == ()
 
 
 def test_the_panel_tells_what_makes_the_surface_worth_trust(found) -> None:

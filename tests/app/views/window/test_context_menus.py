@@ -49,7 +49,7 @@ def ask(widget, point: QPoint) -> None:
 
 def run(window, hand) -> None:
     hand.key(KEY.Key_Space)
-    hand.wait(lambda: window.session.status.phase == "finished" and bool(window.workspace.review.items))
+    hand.wait(lambda: window.session.status.phase == "finished" and bool(window.workspace.object_list.rows))
 
 
 def test_a_right_click_on_the_image_opens_its_menu_with_the_keys(window, hand, menus) -> None:

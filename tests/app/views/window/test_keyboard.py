@@ -129,9 +129,10 @@ def test_enter_presses_the_focused_button(board, hand) -> None:
 
 def test_a_table_that_opens_is_walked_at_once(board, hand) -> None:
     hand.key(KEY.Key_Space)
-    hand.wait(lambda: board.session.status.phase == "finished" and bool(board.workspace.review.items))
+    hand.wait(lambda: board.session.status.phase == "finished" and board.workspace.object_selection.idle)
     shapes = board.session.document.shapes
-    board.workspace.review.select()
+    hand.wait(lambda: bool(board.workspace.object_list.rows))
+    board.workspace.contour_selection.select()
     hand.canvas.setFocus()
     hand.key(KEY.Key_O, MODIFIER.ControlModifier | MODIFIER.ShiftModifier)
     hand.wait(board.panels["objects"].table.hasFocus)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cpm_core.contours.contour import Contour
-from cpm_core.formats import CONTOURS_WRITABLE, check_export, export, find_format_suffix, to_bytes
+from cpm_core.formats import CONTOURS_WRITABLE, check_export, export, find_format_suffix
 from cpm_core.results.result import Result
 
 TRIANGLE = np.array([[5.0, 5.0], [5.0, 20.0], [20.0, 5.0]])
@@ -20,21 +20,6 @@ def result_of(closed):
 
 
 CLOSED = result_of(True)
-
-
-@pytest.mark.parametrize(
-    ("suffix", "written"),
-    [
-        (".svg", b'data-by-hand="15.000"'),
-        (".csv", b",by_hand"),
-        (".measures.csv", b",by_hand_px"),
-        (".json", b'"by_hand": 15.0'),
-        (".geojson", b'"Length by hand px": 15.0'),
-    ],
-)
-def test_the_length_drawn_by_hand_is_told(suffix, written):
-    by_hand = replace(CLOSED, contours=(replace(CLOSED.contours[0], by_hand=(TRIANGLE[:2],)),))
-    assert written in to_bytes(by_hand, suffix) and written not in to_bytes(CLOSED, suffix)
 
 
 @pytest.mark.parametrize("suffix", CONTOURS_WRITABLE)

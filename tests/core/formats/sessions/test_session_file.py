@@ -16,9 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import cpm_core
-from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface
-from cpm_core.contours.review import Mark, Verdict
 from cpm_core.formats.common.content import compute_fingerprint
 from cpm_core.formats.common.json_values import LARGEST_NUMBER
 from cpm_core.formats.sessions.session_file import (
@@ -30,6 +28,7 @@ from cpm_core.formats.sessions.session_file import (
     load_session,
     save_session,
 )
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 from cpm_core.parameters import AUTOMATIC_PARAMETERS, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.shapes import SHAPES_BY_NAME, Circle, Region
@@ -112,21 +111,6 @@ plain = st.recursive(
     max_leaves=8,
 )
 mappings = st.dictionaries(st.text(), plain, max_size=4)
-marks = st.builds(
-    Mark,
-    st.tuples(numbers, numbers),
-    st.sampled_from(get_args(Verdict)),
-    st.text(),
-    st.just("") | st.from_regex("#[0-9a-f]{6}", fullmatch=True),
-)
-places = st.tuples(numbers, numbers)
-lines = st.lists(places, min_size=2, max_size=4).map(tuple)
-ends = st.lists(places, max_size=1).map(tuple)
-hand_edits = st.one_of(
-    st.builds(HandEdit, removed=lines | places.map(lambda place: (place,))),
-    st.builds(HandEdit, removed=lines | st.just(()), added=lines, before=ends, after=ends),
-    st.builds(HandEdit, added=st.lists(places, min_size=3, max_size=4).map(tuple), closed=st.just(True)),
-)
 
 
 def suiting(session: SessionFile) -> SessionFile:
@@ -140,8 +124,6 @@ sessions = st.builds(
     image=st.sampled_from([None, ImageFile("a.png", 64 * "a", (4, 5), "/b/a.png"), ImageFile("/b/ü.png")]),
     shapes=drawings.map(tuple),
     parameters=parameters(),
-    marks=st.lists(marks, max_size=3).map(tuple),
-    hand_edits=st.lists(hand_edits, max_size=3).map(tuple),
     mode=st.text(),
     view=mappings,
     extra=st.dictionaries(st.text().map(lambda text: f"x-{text}"), plain, max_size=3),
@@ -164,7 +146,7 @@ def test_every_shape_and_every_parameter_is_kept() -> None:
 def test_it_is_read_by_people_one_line_for_each_shape() -> None:
     drawn = (Circle((1.0, 2.0), 3.0), Region(((0.0, 0.0), (0.0, 9.0), (9.0, 0.0))))
     lines = encode_session(SessionFile(shapes=drawn), Path("/folder")).decode().splitlines()
-    assert lines[1:3] == ['  "cpm-session": 1,', f'  "program": "CPM {cpm_core.__version__}",']
+    assert lines[1:3] == ['  "cpm-session": 2,', f'  "program": "CPM {cpm_core.__version__}",']
     assert '    {"shape": "circle", "center": [1.0, 2.0], "radius": 3.0},' in lines
     assert sum('"shape"' in line for line in lines) == 2
 
@@ -228,13 +210,13 @@ def test_a_changed_image_is_used_with_a_warning(image_file: Path, tmp_path: Path
 
 
 def test_unknown_parameters_are_told_and_missing_ones_have_their_defaults() -> None:
-    session = decode_session(b'{"cpm-session": 1, "parameters": {"beta": 0.5, "viscosity": 3}}', "a.cpm")
+    session = decode_session(b'{"cpm-session": 2, "parameters": {"beta": 0.5, "viscosity": 3}}', "a.cpm")
     assert session.parameters == Parameters(beta=0.5)
     assert "viscosity" in session.notes[0]
 
 
 def test_what_a_later_version_adds_is_kept_when_the_file_is_written_again(tmp_path: Path) -> None:
-    session = decode_session(b'{"cpm-session": 1, "weather": {"sun": true}}', "a.cpm")
+    session = decode_session(b'{"cpm-session": 2, "weather": {"sun": true}}', "a.cpm")
     save_session(replace(session, mode="shape"), tmp_path / "a.cpm")
     assert json.loads((tmp_path / "a.cpm").read_text())["weather"] == {"sun": True}
 
@@ -259,13 +241,13 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
     [
         (b"", "not a session file"),
         (b'{"cpm-session": true}', "version True"),
-        (b'{"cpm-session": 1, "shapes": [{"shape": "blob"}]}', '"blob" but must be one of circle'),
-        (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "color": "#\\u001b\\n"}]}', r"\x1b"),
-        (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 1e7], "radius": 2}]}', "1e+07"),
-        (b'{"cpm-session": 1, "shapes": [{"shape": "points", "positions": []}]}', "shape 1 (points)"),
-        (b'{"cpm-session": 1, "parameters": {"beta": -Infinity}}', "beta"),
-        (b'{"cpm-session": 1, "parameters": {"beta": "auto"}}', 'beta is "auto"'),
-        (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "color": "red"}]}', "#rrggbb"),
+        (b'{"cpm-session": 2, "shapes": [{"shape": "blob"}]}', '"blob" but must be one of circle'),
+        (b'{"cpm-session": 2, "objects": {"classes": [{"name": "", "color": "#\\u001b\\n"}]}}', r"\x1b"),
+        (b'{"cpm-session": 2, "shapes": [{"shape": "circle", "center": [1, 1e7], "radius": 2}]}', "1e+07"),
+        (b'{"cpm-session": 2, "shapes": [{"shape": "points", "positions": []}]}', "shape 1 (points)"),
+        (b'{"cpm-session": 2, "parameters": {"beta": -Infinity}}', "beta"),
+        (b'{"cpm-session": 2, "parameters": {"beta": "auto"}}', 'beta is "auto"'),
+        (b'{"cpm-session": 2, "objects": {"classes": [{"name": "", "color": "red"}]}}', "#rrggbb"),
         (100_000 * b"[", "not a session file"),
     ],
 )
@@ -294,7 +276,7 @@ sound = encode_session(
             Circle((1.0, 2.0), 3.0),
             *(SHAPES_BY_NAME[name](((1.0, 2.0), (3.0, 4.0), (5.0, 1.0))) for name in ("stroke", "region")),
         ),
-        marks=(Mark((1.0, 2.0), "kept", "ü", "#00ff00"),),
+        objects=SegmentedObjects((SegmentedObject(1, (), name="ü", color="#00ff00", line=CORNERS),)),
         view={"layers": {"image": {"shown": True}}},
     ),
     Path("/folder"),

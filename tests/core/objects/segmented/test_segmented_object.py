@@ -13,7 +13,12 @@ from hypothesis import strategies as st
 
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 from cpm_core.objects.segmented.areas import unite_objects
-from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import (
+    Click,
+    SegmentedObject,
+    SegmentedObjects,
+    contours_from_object,
+)
 
 
 def circle(row: float, col: float, radius: float, corners: int = 200) -> tuple[tuple[float, float], ...]:
@@ -101,8 +106,34 @@ def test_the_union_of_an_object_with_itself_is_that_object() -> None:
     assert unite_objects(RING, RING).area == pytest.approx(RING.area, rel=0.01)
 
 
+LINE = SegmentedObject(3, (), line=((2.0, 2.0), (2.0, 12.0), (7.0, 12.0)))
+"""An open object."""
+
+
+def test_an_open_object_has_the_length_of_its_line_and_encloses_nothing() -> None:
+    assert LINE.measure_perimeter() == pytest.approx(15.0)
+    assert LINE.measure_perimeter((1.0, 0.5)) == pytest.approx(10.0)
+    assert LINE.area == 0.0 and not LINE.mask((20, 20)).any()
+    assert not LINE.encloses(np.array([(4.0, 10.0)])).any()
+    assert [bound.tolist() for bound in LINE.box] == [[2.0, 2.0], [7.0, 12.0]]
+    (contour,) = contours_from_object(LINE)
+    assert not contour.closed and contour.points.tolist() == [list(place) for place in LINE.line]
+
+
+def test_a_frozen_open_object_is_an_open_barrier() -> None:
+    assert SegmentedObjects((replace(LINE, frozen=True),)).barriers == (LINE.line,)
+
+
+@pytest.mark.parametrize(
+    "parts", [{"line": ((1.0, 1.0), (1.0, 1.0))}, {"line": LINE.line, "boundary": RING.boundary}, {}]
+)
+def test_an_object_is_a_line_or_closed_curves_and_not_less_than_either(parts) -> None:
+    with pytest.raises(ValueError, match="object"):
+        SegmentedObject(1, (), **parts)
+
+
 def test_a_session_file_keeps_every_part_of_the_objects(tmp_path) -> None:
     item = replace(RING, gaps=(((1.0, 2.0), (3.5, 4.25)),), name="ring", color="#102030", frozen=True, hidden=True)
-    objects = SegmentedObjects((item,), clicks=(Click(((1.0, 2.0),), inside=False),), edited=1, category=4)
+    objects = SegmentedObjects((item, LINE), clicks=(Click(((1.0, 2.0),), inside=False),), edited=1, category=4)
     save_session(SessionFile(objects=objects), tmp_path / "a.cpm")
     assert load_session(tmp_path / "a.cpm").objects == objects

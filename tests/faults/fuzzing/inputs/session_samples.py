@@ -13,9 +13,7 @@ import numpy as np
 import tifffile
 
 from cpm_core import Parameters, Surface
-from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.packed_surface import PackedSurface
-from cpm_core.contours.review import KeptOutline, Mark
 from cpm_core.formats.common.json_values import shape_to_json
 from cpm_core.formats.contours.contour_json import page_to_json
 from cpm_core.formats.images.reading import Reading
@@ -95,17 +93,13 @@ def sample(folder: Path) -> dict[str, Any]:
             Charge((12.0, 12.0), -1.5),
         ),
         parameters=Parameters(scales=2, smoothing="auto", max_gap=4.0),
-        marks=(
-            Mark((20.0, 9.0), "kept", "cell", "#e69f00", outline=KeptOutline(_BOX, True, 3.0, 1)),
-            Mark((9.0, 20.0), "rejected"),
-        ),
-        hand_edits=(HandEdit(removed=((9.0, 20.0),)), HandEdit(added=_BOX, closed=True), HandEdit(added=_BOX[:2])),
         mode="contours",
         objects=SegmentedObjects(
             (
                 SegmentedObject(
                     1, (Click(((20.0, 20.0),)),), (_BOX,), (_BOX[:2],), 0.5, 2.0, "a", "#0072b2", frozen=True
                 ),
+                SegmentedObject(2, (), name="cell", color="#e69f00", line=_BOX),
             ),
         ),
         outlined=SkeletonTarget((1,), (_BOX,)),

@@ -1,0 +1,235 @@
+"""How sure an object found everywhere is: the numbers of `estimate_region_confidence` are learned here.
+
+``python tests/benchmarks/prior/found.py --outlined FOLDER... [--seed 7]`` finds the candidates for objects
+in images with labels, and in made-up nets, crowds and shapes, and learns which of them overlap with a labeled object by
+0.8 or more. Each kind, which is a folder, counts in proportion to the square root of its candidates. Of kinds that the
+network has learned from, only images that were held out are used. It writes the numbers with their origin to
+`confidence_everywhere.json`, and prints for each kind what is shown and what is right if it is left out, and how well
+the objects that are then found match those labeled.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+import skimage
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
+
+import cpm_core as cpm
+from cpm_core.numerics.types import Array, Index
+from cpm_core.objects import confidence
+from cpm_core.objects.all_objects import RatedCandidate, choose_objects, predict_candidates
+from cpm_core.objects.image_parts import ImageParts
+from cpm_core.objects.region_evidence import ObjectCandidate, RegionEvidence
+from tests.benchmarks.prior.regression import curve, learned
+
+LEARNED = ("nuclei", "cats", "strawberries")
+"""Kinds that the network has learned from."""
+
+HELD_OUT = 5
+"""The first of so many images of such a kind, and every one so many later, was held out."""
+
+MOST = {"nuclei": 24, "embryos": 8, "strawberries": 8} | dict.fromkeys(
+    ("cells_phase_t98g", "plant_nuclei_3d", "maize_kernels", "cakes_kuih"), 6
+)
+"""Largest number of images of a kind, where it is not `MOST_OF_OTHERS`."""
+
+MOST_OF_OTHERS = 5
+
+MADE_UP = 6
+"""Number of made-up images of a kind."""
+
+SIDE = 280
+"""Side of made-up images [px]."""
+
+SOURCES = (
+    "nuclei (BBBC038, CC0), cats (Cornell Feline Health Center, public domain), strawberries (strawberry_coco_1, MIT), "
+    "axons_sem (AxonDeepSeg, MIT), cells_phase_t98g (Usiigaci, MIT), superalloy_precipitates (NASA, MIT), "
+    "chloroplasts_em (WSU PlantBio ML, MIT), plant_cells_confocal and plant_nuclei_3d (PlantSeg, EMBL, MIT), "
+    "sand_gravel_grains (segmenteverygrain, Apache-2.0); embryos, flakes_2d_materials, cakes_kuih, maize_kernels, "
+    "granular_ore, mushrooms_crop and nanocrystals_sem (Roboflow Universe, CC BY 4.0); made-up nets, crowds and shapes"
+)
+"""Images and their terms."""
+
+
+class Candidates(NamedTuple):
+    """Candidates of an image, with what is labeled in it."""
+
+    kind: str
+    labels: Index
+    evidence: RegionEvidence
+    candidates: list[ObjectCandidate]
+    signs: list[confidence.RegionFeatures]
+    right: Array
+
+
+def labeled_images(folder: Path) -> Iterator[tuple[cpm.Image, Index]]:
+    """Some images of a folder, evenly among those that may be used."""
+    names = sorted(folder.glob("*_labels.png"))[:: HELD_OUT if folder.name in LEARNED else 1]
+    most = MOST.get(folder.name, MOST_OF_OTHERS)
+    for name in names[:: max(len(names) // most, 1)][:most]:
+        stem = name.name.removesuffix("_labels.png")
+        image = next(there for ending in (".png", ".jpg") if (there := name.with_name(stem + ending)).exists())
+        yield cpm.load_image(image), skimage.io.imread(name).astype(np.int64)
+
+
+def made_up_nets(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
+    """Grains that fill the image, with lines between them or in tones of their own."""
+    count = int(rng.integers(12, 80))
+    bend = scipy.ndimage.gaussian_filter(rng.normal(size=(2, SIDE, SIDE)), (0, 12, 12))
+    places = np.indices((SIDE, SIDE)) + rng.uniform(0, 3) * bend / bend.std()
+    tree = scipy.spatial.cKDTree(rng.uniform(0, SIDE, (count, 2)))
+    labels = tree.query(np.moveaxis(places, 0, -1))[1] + 1
+    if rng.random() < 0.5:
+        return shown(rng.uniform(60, 210, count + 1)[labels], rng), labels
+    lines = np.zeros(labels.shape, bool)
+    lines[:-1] |= labels[:-1] != labels[1:]
+    lines[:, :-1] |= labels[:, :-1] != labels[:, 1:]
+    wide = scipy.ndimage.distance_transform_edt(~lines) < rng.uniform(0.8, 2.2)
+    return shown(
+        np.where(wide, rng.uniform(30, 110), rng.normal(170, rng.uniform(2, 15), count + 1)[labels]), rng
+    ), labels
+
+
+def made_up_crowds(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
+    """Ellipses of similar sizes, many of which touch."""
+    rows, cols = np.indices((SIDE, SIDE))
+    values, labels = np.full((SIDE, SIDE), rng.uniform(15, 60)), np.zeros((SIDE, SIDE), np.int64)
+    radius, wanted = rng.uniform(8, 22), int(rng.integers(15, 45))
+    for _ in range(400):
+        turn, (row, col), (long, short) = (
+            rng.uniform(0, np.pi),
+            rng.uniform(0, SIDE, 2),
+            radius * rng.uniform(0.75, 1.3, 2),
+        )
+        along = (rows - row) * np.cos(turn) + (cols - col) * np.sin(turn)
+        across = (cols - col) * np.cos(turn) - (rows - row) * np.sin(turn)
+        inside = (along / long) ** 2 + (across / short) ** 2 < 1
+        own = inside & (labels == 0)
+        if np.count_nonzero(own) >= max(60, 0.88 * np.count_nonzero(inside)):
+            labels[own] = labels.max() + 1
+            values[own] += rng.uniform(60, 130)
+        if labels.max() == wanted:
+            break
+    return shown(values if rng.random() < 0.6 else 235 - values, rng), labels
+
+
+def made_up_shapes(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
+    """Lobed shapes that lie apart, some with a hole or a wedge cut out of them."""
+    rows, cols = np.indices((SIDE, SIDE))
+    values, labels = np.full((SIDE, SIDE), rng.uniform(15, 60)), np.zeros((SIDE, SIDE), np.int64)
+    for _ in range(60):
+        radius, (row, col) = rng.uniform(14, 50), rng.uniform(0, SIDE, 2)
+        away, angle = np.hypot(rows - row, cols - col), np.arctan2(rows - row, cols - col)
+        lobes = 1.0 + rng.uniform(0.0, 0.35) * np.sin(rng.integers(2, 7) * angle + rng.uniform(0, 6))
+        inside = away < radius * lobes
+        if (labels[away < 1.35 * radius + 6] > 0).any():
+            continue
+        cut = rng.random()
+        if cut < 0.35:
+            inside &= away > rng.uniform(0.3, 0.75) * radius * lobes
+        elif cut < 0.6:
+            inside &= np.cos(angle - rng.uniform(0, 6)) < rng.uniform(0.4, 0.95)
+        labels[inside] = labels.max() + 1
+        values[inside] += rng.uniform(60, 130)
+    return shown(values if rng.random() < 0.6 else 235 - values, rng), labels
+
+
+def shown(values: Array, rng: np.random.Generator) -> cpm.Image:
+    """An image of values, blurred, unevenly lit and noisy."""
+    light = scipy.ndimage.gaussian_filter(rng.normal(size=values.shape), 25)
+    blurred = scipy.ndimage.gaussian_filter(values + rng.uniform(0, 10) * light / light.std(), rng.uniform(0.5, 1.2))
+    return cpm.Image(np.clip(blurred + rng.normal(0, rng.uniform(2, 12), values.shape), 0, 255).round())
+
+
+def candidates_of(kind: str, image: cpm.Image, labels: Index) -> Candidates:
+    """Candidates for the objects of an image after a run from everywhere."""
+    cut = cpm.Partition.from_result(cpm.segment(image, cpm.uniform_grid(image.shape), cpm.PRESETS["automatic"]))
+    evidence = RegionEvidence(cut)
+    found = list(predict_candidates(ImageParts.from_partition(cut), evidence))
+    areas = np.bincount(labels.ravel())
+    right = np.zeros(len(found))
+    for number, one in enumerate(found):
+        common = np.bincount(labels[one.region.box][one.region.mask], minlength=len(areas))
+        overlap = common / (one.region.area + areas - common)
+        right[number] = overlap[1:].max(initial=0.0) >= confidence.CORRECT_IOU
+    return Candidates(kind, labels, evidence, found, evidence.measure_candidates(found), right)
+
+
+def stacked(images: Sequence[Candidates]) -> tuple[Array, Array, Array]:
+    """Encoded features, what is right, and weights, of the candidates of some images."""
+    images = [one for one in images if one.signs]
+    counts = {kind: sum(len(one.signs) for one in images if one.kind == kind) for kind in {one.kind for one in images}}
+    signs = np.array([confidence.encode_region(each) for one in images for each in one.signs])
+    weights = np.concatenate([np.full(len(one.signs), counts[one.kind] ** -0.5) for one in images])
+    return signs, np.concatenate([one.right for one in images]), weights * len(weights) / weights.sum()
+
+
+def score(image: Candidates, shown_as: Array) -> float:
+    """F1 at an overlap of 0.5 of the objects that are chosen with some probabilities."""
+    areas, hit, count = np.bincount(image.labels.ravel()), set(), 0
+    rated = map(RatedCandidate, image.candidates, image.signs, shown_as.tolist())
+    for one in choose_objects(rated, image.evidence.partition.values):
+        count += 1
+        common = np.bincount(image.labels[one.region.box][one.region.mask], minlength=len(areas))
+        overlap = common / (one.region.area + areas - common)
+        overlap[0] = 0.0
+        if overlap.max() >= 0.5:
+            hit.add(int(overlap.argmax()))
+    return 2.0 * len(hit) / max(count + np.count_nonzero(areas[1:]), 1)
+
+
+def main() -> None:
+    """Find candidates, learn, print and write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--outlined", nargs="+", type=Path, required=True)
+    parser.add_argument("--seed", type=int, default=7)
+    given = parser.parse_args()
+    rng, images = np.random.default_rng(given.seed), []
+    for folder in given.outlined:
+        images += [candidates_of(folder.name, *each) for each in labeled_images(folder)]
+    for make in (made_up_nets, made_up_crowds, made_up_shapes):
+        images += [candidates_of(make.__name__, *make(rng)) for _ in range(MADE_UP)]
+    learn_numbers(images, given.seed)
+
+
+def learn_numbers(images: Sequence[Candidates], seed: int) -> None:
+    """Learn from images, print how well that holds on each kind if it is left out, and write the numbers."""
+    kinds = dict.fromkeys(one.kind for one in images)
+    for kind in kinds:
+        numbers = learned(*stacked([one for one in images if one.kind != kind]))
+        own, shares, right, matches = [one for one in images if one.kind == kind], [], [], []
+        for one in own:
+            signs = np.array([confidence.encode_region(each) for each in one.signs]).reshape(-1, len(numbers) - 1)
+            shares.append(scipy.special.expit(signs @ numbers[:-1] + numbers[-1]))
+            right.append(one.right)
+            matches.append(score(one, shares[-1]))
+        shown_right = curve(np.concatenate(shares), np.concatenate(right))
+        print(f"{kind:24s} F1 {np.mean(matches):.3f}  shown/right/candidates  {shown_right}")
+    signs, right, weights = stacked(images)
+    origin = {
+        "numbers": learned(signs, right, weights).round(3).tolist(),
+        "features": f"{', '.join(confidence.RegionFeatures._fields)}; offset",
+        "candidates": {kind: sum(len(one.signs) for one in images if one.kind == kind) for kind in kinds},
+        "right": {
+            kind: round(float(np.concatenate([one.right for one in images if one.kind == kind]).mean()), 3)
+            for kind in kinds
+        },
+        "seed": seed,
+        "script": "tests/benchmarks/prior/found.py",
+        "data": SOURCES,
+    }
+    path = Path(confidence.__file__).with_name("confidence_everywhere.json")
+    path.write_text(json.dumps(origin, indent=2) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,67 @@
+"""All objects of an image: what contours bound, alone or together, each once, the likeliest first."""
+
+import itertools
+
+import numpy as np
+import pytest
+import scipy
+
+from cpm_core.objects.selection import compute_iou
+from cpm_core.segmentation.select import select_all
+
+ROW, COL = np.indices((120, 130)).astype(float)
+
+
+def disk(row, col, radius):
+    return np.hypot(ROW - row, COL - col) < radius
+
+
+def picture(values):
+    noise = np.random.default_rng(5).normal(0.0, 3.0, values.shape)
+    return np.clip(scipy.ndimage.gaussian_filter(np.asarray(values, float), 0.8) + noise, 0.0, 255.0)
+
+
+def best_overlaps(found, objects):
+    return [max((compute_iou(one.mask, each) for one in found), default=0.0) for each in objects]
+
+
+GRAINS = scipy.spatial.cKDTree([(r + 7 * (c % 2), 18 + 31 * c) for r in (15, 55, 95) for c in range(4)]).query(
+    np.stack([ROW, COL], axis=-1)
+)[1]
+LINES = scipy.ndimage.morphological_gradient(GRAINS, 3) > 0
+PAIR = [disk(60, 40, 17), disk(60, 70, 17) & ~disk(60, 40, 17)]
+
+
+@pytest.fixture(scope="module")
+def crowd():
+    rng = np.random.default_rng(2)
+    disks = [disk(r, c, rng.uniform(8, 12)) for r in (18, 58, 98) for c in (20, 50, 80, 110)]
+    specks = sum(40.0 * disk(*rng.uniform(5, 115, 2), 1.5) for _ in range(12))
+    return disks, select_all(picture(40.0 + 120.0 * np.any(disks, axis=0) + specks))
+
+
+def test_regions_between_contours_that_meet_are_objects_and_the_lines_between_them_are_none():
+    found = select_all(picture(np.where(LINES, 60.0, 170.0)))
+    corners = 0, 3, 8, 11  # half of their boundary is the border of the image
+    grains = [(number == GRAINS) & ~LINES for number in range(12)]
+    assert min(best_overlaps(found, [grain for number, grain in enumerate(grains) if number not in corners])) > 0.9
+    assert all(max(compute_iou(one.mask, grain) for grain in grains) > 0.7 for one in found)
+
+
+def test_a_pair_that_touches_is_two_objects_that_meet_at_the_waist():
+    found = select_all(picture(30.0 + 130.0 * np.any(PAIR, axis=0)))
+    assert len(found) == 2
+    assert min(best_overlaps(found, PAIR)) > 0.8
+
+
+def test_each_object_is_found_once_and_is_likelier_than_specks_and_background(crowd):
+    disks, found = crowd
+    assert min(best_overlaps(found[: len(disks)], disks)) > 0.9
+    assert all(one.confidence < 0.1 for one in found[len(disks) :])
+    assert not any((one.mask & other.mask).any() for one, other in itertools.combinations(found, 2))
+
+
+def test_the_likeliest_objects_come_first(crowd):
+    confidences = [one.confidence for one in crowd[1]]
+    assert confidences == sorted(confidences, reverse=True)
+    assert confidences[0] > 0.7
