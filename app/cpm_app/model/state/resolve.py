@@ -138,9 +138,7 @@ def _suggest_next_action(situation: Situation) -> str:
             "The parameters have changed: Resume ({key:run}) continues with them, Reset ({key:reset}) starts over."
         )
     elif isinstance(shape, Charge):
-        message = tr(
-            "Drag the {shape} of strength {strength}; [ and ] change its strength, {key:delete} removes it."
-        )
+        message = tr("Drag the {shape} of strength {strength}; [ and ] change its strength, {key:delete} removes it.")
         return insert_keys(
             message, shape=translate_core_text(shape.title), strength=localize_number(f"{abs(shape.strength):g}")
         )

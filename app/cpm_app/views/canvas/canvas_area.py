@@ -164,7 +164,7 @@ class CanvasArea(QWidget):
     def update_hint(self) -> None:
         """Show below the canvas what was found and what to do next.
 
-        The end of a run speaks before the tool, until another one is chosen; what a gesture or a selection needs, first.
+        The end of a run speaks before the tool, until another one is chosen; gestures and selections speak first.
         """
         session, tool = self._session, self.canvas.dispatcher.tool
         status, text = session.status, session.resolved.hint
@@ -173,11 +173,12 @@ class CanvasArea(QWidget):
         self._was_running = running
         if status.phase == "ready" and self._area_share > _WIDE_AREA_SHARE:
             text = insert_keys(_WIDE_AREA_TEXT, percent=localize_number(f"{100.0 * self._area_share:.0f} %"))
+        chosen = self._workspace.object_list.selected_numbers or session.scene.selected_contours
         if session.document.image is not None:
             found = text if status.stale or status.steered else describe_outcome(self._workspace)
             if status.phase == "paused" and self._workspace.navigation.differing_parameters is not None:
                 found = _OTHER_VALUES_TEXT
-            engaged = self.canvas.dispatcher.is_gesturing or self._workspace.object_list.selected_numbers
+            engaged = self.canvas.dispatcher.is_gesturing or chosen
             first, then = (found, tool.advice) if self._tells_outcome and not engaged else (tool.advice, found)
             text = self.crosshair.advice or first or then or text
         self.strip.show_hint(text)
