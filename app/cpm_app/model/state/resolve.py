@@ -129,6 +129,8 @@ def _suggest_next_action(situation: Situation) -> str:
     in_volume, usual = has_volume(situation), MODES[document.mode].hint
     if status.phase == "empty":
         message = tr("Open an image ({key:open}) or drop one here.")
+    elif status.started and status.method != MODES[document.mode].method:
+        message = tr("What was found stays until Run ({key:run}) starts over in this mode.")
     elif status.started and status.stale and status.phase == "running":
         message = tr("The starts or scales have changed: they act from the next run on.")
     elif status.started and status.stale:

@@ -120,6 +120,7 @@ def test_a_mode_leaves_what_was_found_until_the_next_run(ready, hand) -> None:
         assert session.document.mode == mode
         assert session.scene.reconstruction is found
         assert session.resolved.numbers == numbers
+        assert ("stays until Run" in ready.canvas_area.hint.text()) == (mode in ("skeleton", "published"))
         assert [each.selection for each in selection.proposals] == [each.selection for each in offered]
     hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
     hand.canvas.setFocus()
