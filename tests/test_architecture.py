@@ -20,7 +20,9 @@ LAYERS = ("cpm_core", "cpm_app.model", "cpm_app.session", "cpm_app.views", "cpm_
 QT = ("PySide6", "shiboken6", "pyqtgraph", "qtpy", "PyQt5", "PyQt6")
 WIDGETS = ("PySide6.QtWidgets", "PySide6.QtOpenGLWidgets", "pyqtgraph")
 FORBIDDEN = {"cpm_core": QT, "cpm_app.model": QT, "cpm_app.session": WIDGETS}
-CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile", "argcomplete"}
+CORE_LIBRARIES = {
+    "numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile", "argcomplete", "threadpoolctl",
+}  # fmt: skip
 
 LATE_LIBRARIES = {
     "cpm_core.image.drawing": {"matplotlib"},

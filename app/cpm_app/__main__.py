@@ -31,7 +31,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     argv : sequence of str, optional
-        Arguments after the program's name: nothing or an image for the window, else a subcommand or options.
+        Arguments after the program's name: nothing, an image or a folder of images for the window, else a subcommand or
+        options.
 
     Returns
     -------

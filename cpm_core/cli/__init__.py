@@ -139,7 +139,7 @@ def build_parser() -> argparse.ArgumentParser:
     whole = _Parser(
         prog="cpm",
         description="Find contours in images with charged particles.",
-        epilog="Without a command the window opens, on the image that is named if there is one: cpm [IMAGE].",
+        epilog="Without a command the window opens, on an image or a folder of images if one is named: cpm [IMAGE].",
     )
     whole.add_argument("--version", action="version", version=f"cpm {VERSION}", help="show the version")
     commands = whole.add_subparsers(metavar="COMMAND", dest="name", required=True)

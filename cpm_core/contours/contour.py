@@ -94,6 +94,8 @@ class Contour(Curve):
         Name of the class of the object that it bounds, or empty.
     gray : float or None
         Mean gray value inside it, without contours inside; None where it has not been measured (only pages do).
+    confidence : float or None
+        Confidence in the object that it bounds, from 0 to 1; None where it is unknown.
 
     Raises
     ------
@@ -124,6 +126,7 @@ class Contour(Curve):
     bridged: float = 0.0
     category: str = ""
     gray: float | None = None
+    confidence: float | None = None
 
     def __post_init__(self) -> None:
         check_color("a contour", self.color)

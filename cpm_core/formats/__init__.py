@@ -34,6 +34,7 @@ from cpm_core.formats.contour_file import load_contours as load_contours
 from cpm_core.formats.contour_file import read_contours as read_contours
 from cpm_core.formats.contours.contents import PlaneInfo as PlaneInfo
 from cpm_core.formats.contours.contents import parse_color as parse_color
+from cpm_core.formats.contours.contour_csv import encode_tables_of_images as encode_tables_of_images
 from cpm_core.formats.contours.contour_json import page_from_json as page_from_json
 from cpm_core.formats.contours.contour_json import page_to_json as page_to_json
 from cpm_core.formats.contours.curves import flatten_ellipse as flatten_ellipse
@@ -54,10 +55,19 @@ from cpm_core.formats.masks.labels import label_palette as label_palette
 from cpm_core.formats.meshes.swc import load_centerlines as load_centerlines
 from cpm_core.formats.sessions.particle_state import state_from_json as state_from_json
 from cpm_core.formats.sessions.particle_state import state_to_json as state_to_json
+from cpm_core.formats.sessions.project_file import PROJECT_FOLDER as PROJECT_FOLDER
+from cpm_core.formats.sessions.project_file import ImageState as ImageState
+from cpm_core.formats.sessions.project_file import Project as Project
+from cpm_core.formats.sessions.project_file import ProjectImage as ProjectImage
+from cpm_core.formats.sessions.project_file import load_project as load_project
+from cpm_core.formats.sessions.project_file import make_project_folder as make_project_folder
+from cpm_core.formats.sessions.project_file import project_session as project_session
+from cpm_core.formats.sessions.project_file import update_project as update_project
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX as SESSION_SUFFIX
 from cpm_core.formats.sessions.session_file import ImageFile as ImageFile
 from cpm_core.formats.sessions.session_file import SessionFile as SessionFile
 from cpm_core.formats.sessions.session_file import TruthFile as TruthFile
+from cpm_core.formats.sessions.session_file import adapt_reading as adapt_reading
 from cpm_core.formats.sessions.session_file import decode_session as decode_session
 from cpm_core.formats.sessions.session_file import encode_session as encode_session
 from cpm_core.formats.sessions.session_file import find_session_image as find_session_image

@@ -16,6 +16,8 @@ from contextlib import contextmanager
 from functools import lru_cache
 from itertools import pairwise
 
+from threadpoolctl import ThreadpoolController
+
 _PARTS_PER_THREAD = 2
 """Number of parts for each thread."""
 
@@ -42,6 +44,21 @@ def limit_cores(count: int) -> Iterator[None]:
         yield
     finally:
         _limits.pop()
+
+
+_find_blas = lru_cache(maxsize=1)(ThreadpoolController)
+"""Finds the libraries of linear algebra of this process."""
+
+
+@contextmanager
+def limit_blas() -> Iterator[None]:
+    """Compute products of matrices on the calling thread alone within this context.
+
+    Small ones gain nothing from more threads, which wait for one another in busy loops: while other programs are
+    running, a product then takes many times as long.
+    """
+    with _find_blas().limit(limits=1, user_api="blas"):
+        yield
 
 
 _helpers = lru_cache(maxsize=1)(lambda: ThreadPoolExecutor(max(1, count_cores() - 1), "cpm-share"))

@@ -7,7 +7,7 @@ network answers that has learned from outlined images (`uses_network`).
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
@@ -90,8 +90,10 @@ class _Request:
     ----------
     inside, outside : ndarray, shape (M, 2) and (K, 2)
         Positive and negative points [px].
-    areas : sequence of float
-        Areas of objects that have been accepted [px²].
+    free : ndarray of bool, shape (H, W)
+        Pixels that may be selected.
+    previous : Selection or None
+        The selection before the last points were added.
     has_only_positive : bool
         Whether there are positive points alone: no negative ones, scribble, box or previous mask.
     prompt : Prompt
@@ -104,7 +106,8 @@ class _Request:
 
     inside: Array
     outside: Array
-    areas: Sequence[float]
+    free: Mask
+    previous: Selection | None
     has_only_positive: bool
     prompt: Prompt
     correction: Prompt | None
@@ -221,7 +224,7 @@ class Partition(drawing.Pictured):
         stroke: ArrayLike = (),
         box: ArrayLike = (),
         previous: Selection | None = None,
-        areas: Sequence[float] = (),
+        excluded: Mask | None = None,
     ) -> Selection:
         """Select the object that positive points lie in, and negative ones do not.
 
@@ -236,10 +239,9 @@ class Partition(drawing.Pictured):
             Two opposite corners of a box around the object; its sides may be a few pixels off.
         previous : Selection, optional
             The selection before the last points were added. A new positive point only adds to it, and a negative one
-            only removes.
-        areas : sequence of float
-            Areas of objects of this image that have been accepted [px²]: where a point is ambiguous, an object of
-            similar size is preferred.
+            only removes. Points that change none of its pixels leave it as it is, with its confidence.
+        excluded : ndarray of bool, shape (H, W), optional
+            Pixels that are not selected, such as those of other objects.
 
         Returns
         -------
@@ -249,10 +251,11 @@ class Partition(drawing.Pictured):
         Raises
         ------
         ValueError
-            When points are not rows and columns, or the box does not have two corners.
+            When points are not rows and columns, the box does not have two corners, or the excluded pixels are not
+            those of the image.
         """
-        request = self._read_request(inside, outside, stroke, box, previous, areas)
-        return self._select_best(request, self._predict_candidates(request.prompt, areas))
+        request = self._read_request(inside, outside, stroke, box, previous, excluded)
+        return self._select_best(request, self._predict_candidates(request.prompt))
 
     def find_candidates(
         self,
@@ -262,7 +265,7 @@ class Partition(drawing.Pictured):
         stroke: ArrayLike = (),
         box: ArrayLike = (),
         previous: Selection | None = None,
-        areas: Sequence[float] = (),
+        excluded: Mask | None = None,
     ) -> tuple[Selection, ...]:
         """Find the different objects that a prompt may mean, from the smallest to the largest.
 
@@ -270,8 +273,8 @@ class Partition(drawing.Pictured):
         other sizes, the insides of contours closed around the points, shape (M, 2) [px], bodies alone where
         necks join them to others, and together with them.
         """
-        request = self._read_request(inside, outside, stroke, box, previous, areas)
-        answers = self._predict_candidates(request.prompt, areas)
+        request = self._read_request(inside, outside, stroke, box, previous, excluded)
+        answers = self._predict_candidates(request.prompt)
         first = self._select_best(request, answers)
         if request.is_empty:
             return (first,)
@@ -283,12 +286,12 @@ class Partition(drawing.Pictured):
         if request.has_only_positive:
             enclosed = self._from_unambiguous_contour(request.inside) or self._from_surrounding_line(request.inside)
             if enclosed is not None:
-                return self._build_answer(enclosed, request.inside)
+                return self._build_answer(self._leave_free(enclosed, request), request)
         if request.is_empty:
             remark = request.remark or "No point is marked as inside."
             return self.build_selection(np.zeros(self.shape, bool), request.inside, request.outside, remark)
-        found = self._from_previous(request) or self._from_network(request.prompt, answers)
-        return self._build_answer(found, request.inside, request.outside, request.remark)
+        found = self._from_previous(request) or self._from_network(request.prompt, answers, request.free)
+        return self._build_answer(found, request)
 
     def _from_unambiguous_contour(self, places: Array) -> Candidate | None:
         """Return what a closed contour unambiguously encloses around points, shape (M, 2) [px], if one does."""
@@ -313,29 +316,41 @@ class Partition(drawing.Pictured):
             wrong = [(place, True) for place in prompt.positive if not mask[tuple(place)]]
             wrong += [(place, False) for place in prompt.negative if mask[tuple(place)]]
             if not wrong:
-                return Candidate(self._keep_connected(mask, prompt), unambiguous=corrected)
+                return Candidate(self._keep_connected(mask, prompt, request.free), unambiguous=corrected)
             fixed = prompt.negative, prompt.positive
             changed = (self._closed_regions.correct_mask(mask, place, adds, fixed[not adds]) for place, adds in wrong)
             better = next((one for one in changed if one is not None), None)
             if better is None:
-                return self._correct_by_network(replace(prompt, previous_mask=mask), mask, request.areas)
+                return self._correct_by_network(replace(prompt, previous_mask=mask), mask, request.free)
             mask, corrected = better, True
 
-    def _correct_by_network(self, prompt: Prompt, mask: Mask, areas: Sequence[float]) -> Candidate:
+    def _correct_by_network(self, prompt: Prompt, mask: Mask, free: Mask) -> Candidate:
         """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove."""
-        found = next(self._predict_candidates(prompt, areas), Candidate(mask))
+        found = next(self._predict_candidates(prompt), Candidate(mask))
         adds, removes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
         if adds != removes:
             found = found._replace(mask=found.mask | mask if adds else found.mask & mask)
-        return found._replace(mask=self._keep_connected(found.mask, prompt))
+        return found._replace(mask=self._keep_connected(found.mask, prompt, free))
 
-    def _from_network(self, prompt: Prompt, answers: Iterator[Candidate]) -> Candidate:
+    def _from_network(self, prompt: Prompt, answers: Iterator[Candidate], free: Mask) -> Candidate:
         """Return the first answer of the network to a prompt; only the pixels of its points without any."""
         found = next(answers, Candidate(np.zeros(self.shape, bool)))
-        return found._replace(mask=self._keep_connected(found.mask, prompt))
+        return found._replace(mask=self._keep_connected(found.mask, prompt, free))
 
-    def _build_answer(self, found: Candidate, inside: Array, outside: Array = NO_POINTS, remark: str = "") -> Selection:
-        """Build the selection of a candidate, with a remark if it holds only the pixels of the points."""
+    def _leave_free(self, found: Candidate, request: _Request) -> Candidate:
+        """Leave the pixels of a candidate that may be selected; where some may not, it is no longer unambiguous."""
+        if not (found.mask & ~request.free).any():
+            return found
+        return Candidate(self._keep_connected(found.mask, request.prompt, request.free))
+
+    def _build_answer(self, found: Candidate, request: _Request) -> Selection:
+        """Build the selection of a candidate, with a remark if it holds only the pixels of the points.
+
+        What has not changed stays the previous selection: another point that says the same makes it no more likely.
+        """
+        inside, outside, remark, previous = request.inside, request.outside, request.remark, request.previous
+        if previous is not None and np.array_equal(found.mask, previous.mask):
+            return replace(previous, inside=inside, outside=outside, remark=remark)
         answer = self.build_selection(found.mask, inside, outside, remark, found.features, found.unambiguous)
         return replace(answer, remark=_NO_OBJECT_REMARK) if answer.has_only_points and not remark else answer
 
@@ -343,7 +358,7 @@ class Partition(drawing.Pictured):
         """Select the other objects that a request may mean besides the first one, shape (H, W)."""
         known = [first]
         for found in itertools.chain(answers, self._find_alternatives(first, request.prompt)):
-            mask = self._keep_connected(found.mask, request.prompt)
+            mask = self._keep_connected(found.mask, request.prompt, request.free)
             if mask.any() and all(compute_iou(mask, other) < _DUPLICATE_IOU for other in known):
                 known.append(mask)
                 yield self.build_selection(mask, request.inside, request.outside, request.remark, found.features)
@@ -355,7 +370,7 @@ class Partition(drawing.Pictured):
         stroke: ArrayLike,
         box: ArrayLike,
         previous: Selection | None,
-        areas: Sequence[float],
+        excluded: Mask | None,
     ) -> _Request:
         """Read what a user has given; ValueError when it cannot be used."""
         within, beyond, line, corners = (
@@ -363,21 +378,29 @@ class Partition(drawing.Pictured):
         )
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
+        free = self.interest
+        if excluded is not None:
+            if excluded.shape != self.shape:
+                raise ValueError(
+                    f"the excluded pixels are {format_size(excluded.shape)} but the image is {format_size(self.shape)}."
+                )
+            free = free & ~excluded.astype(bool)
         meant = within if previous is None else _replace_surrounding_points(within, previous)
         newer = None if previous is None else ~_is_among(meant, previous.inside)
-        places, remark = self._resolve_points(meant, beyond, newer)
+        places, remark = self._resolve_points(meant, beyond, free, newer)
         lasso = meant if len(meant) >= MIN_DRAWN_PLACES else NO_POINTS
-        prompt = self._add_drawn_prompts(places, lasso, line, corners)
+        prompt = self._add_drawn_prompts(places, lasso, line, corners, free)
         mask = previous.mask if previous is not None and previous.mask.any() else None
         has_only_points = mask is None and not len(line) and not len(corners)
         if has_only_points and len(beyond):  # negative points correct what a contour encloses
             mask = self._closed_regions.find_object_around(within)
         correction = None
         if mask is not None:
-            correction = replace(self._add_drawn_prompts(places, NO_POINTS, line, corners), previous_mask=mask)
-        return _Request(within, beyond, areas, has_only_points and not len(beyond), prompt, correction, remark)
+            correction = replace(self._add_drawn_prompts(places, NO_POINTS, line, corners, free), previous_mask=mask)
+        has_only_positive = has_only_points and not len(beyond)
+        return _Request(within, beyond, free, previous, has_only_positive, prompt, correction, remark)
 
-    def _add_drawn_prompts(self, places: Prompt, start: Array, line: Array, corners: Array) -> Prompt:
+    def _add_drawn_prompts(self, places: Prompt, start: Array, line: Array, corners: Array, free: Mask) -> Prompt:
         """Add to a prompt a start, which replaces its positive points, a scribble and the corners of a box."""
         prompt = places
         if len(start):
@@ -385,7 +408,7 @@ class Partition(drawing.Pictured):
             if np.count_nonzero(area) > 2 * len(start):  # a closed line; an open one counts as points
                 prompt = replace(prompt, drawn_area=area, positive=prompt.positive[:0])
         if len(line):
-            along, _ = self._resolve_points(polyline.sample_path(line, 1.0) if len(line) > 1 else line)
+            along, _ = self._resolve_points(polyline.sample_path(line, 1.0) if len(line) > 1 else line, NO_POINTS, free)
             prompt = replace(prompt, positive=np.concatenate([prompt.positive, along.positive]))
         if len(corners):
             (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
@@ -393,21 +416,24 @@ class Partition(drawing.Pictured):
         return prompt
 
     def _resolve_points(
-        self, inside: Array, outside: Array = NO_POINTS, newer: Mask | None = None
+        self, inside: Array, outside: Array, free: Mask, newer: Mask | None = None
     ) -> tuple[Prompt, str]:
         """Resolve points to pixels, with one sentence on what is unusual about them.
 
-        Where the same pixel is positive and negative, the positive points count that are `newer`, shape (M,).
+        Points on pixels that are not `free`, shape (H, W), are left out. Where the same pixel is positive and negative,
+        the positive points count that are `newer`, shape (M,).
         """
         remark = ""
         limit = np.array(self.shape) - 1
         every = np.concatenate([inside, outside])
         within, beyond = (np.rint(np.clip(places, 0, limit)).astype(np.int64) for places in (inside, outside))
-        interest = self.interest
+        pixels = np.concatenate([within, beyond])
         if ((every < -0.5) | (every > limit + 0.5)).any():
             remark = "A point outside the image counts as the nearest one in it."
-        elif not interest[tuple(np.concatenate([within, beyond]).T)].all():
+        elif not self.interest[tuple(pixels.T)].all():
             remark = "A point outside the regions of interest is ignored."
+        elif not free[tuple(pixels.T)].all():
+            remark = "A point in another object is ignored."
         same = (within[:, None] == beyond[None]).all(axis=2)
         if same.any():
             remark = "The same point is marked as inside and as outside; the last mark counts."
@@ -416,16 +442,19 @@ class Partition(drawing.Pictured):
                 within[newer | ~same.any(axis=1)],
                 beyond[~(same & newer[:, None]).any(axis=0)],
             )
-        return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
+        return Prompt(*(pixels[free[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
-    def _predict_candidates(self, prompt: Prompt, areas: Sequence[float]) -> Iterator[Candidate]:
-        """Predict the candidates for a prompt, the most likely one first; a tree of vessels precedes all others."""
+    def _predict_candidates(self, prompt: Prompt, area: float | None = None) -> Iterator[Candidate]:
+        """Predict the candidates for a prompt, the most likely one first; a tree of vessels precedes all others.
+
+        Of an object whose `area` [px²] is known, the candidates of similar size come first.
+        """
         if not self.uses_network:
             return
         tree = find_vessel_tree(self.values, prompt.positive) if prompt.has_only_positive else None
         if tree is not None:
             yield Candidate(tree)
-        for likely in self._predictor.predict_objects(prompt, np.asarray(areas, float)):
+        for likely in self._predictor.predict_objects(prompt, area):
             mask = likely.mask
             if likely.downsampling > 1.0 and self.contours:  # contours are more exact than a coarse prediction
                 box, corner = _padded_box(mask)
@@ -460,9 +489,9 @@ class Partition(drawing.Pictured):
         joined[wide] = _select_connected(similar, np.argwhere(mask[wide]))
         return joined
 
-    def _keep_connected(self, mask: Mask, prompt: Prompt) -> Mask:
-        """Keep the parts of a mask that are connected to the prompt, with all positive points and no negative one."""
-        mask = mask & self.interest
+    def _keep_connected(self, mask: Mask, prompt: Prompt, free: Mask) -> Mask:
+        """Keep the free parts of a mask that are connected to the prompt, with all positive points, no negative one."""
+        mask = mask & free
         mask[tuple(prompt.positive.T)] = True
         mask[tuple(prompt.negative.T)] = False
         box, corner = _padded_box(mask)
@@ -480,7 +509,7 @@ class Partition(drawing.Pictured):
     def complete_object(self, drawn: Mask, area: float) -> Mask:
         """Complete drawn pixels to an object of about this area [px²]; masks of shape (H, W)."""
         prompt = Prompt(np.empty((0, 2), np.int64), drawn_area=drawn)
-        return self._from_network(prompt, self._predict_candidates(prompt, [area])).mask
+        return self._from_network(prompt, self._predict_candidates(prompt, area), self.interest).mask
 
     def find_unambiguous_objects(self) -> Iterator[Mask]:
         """Find the objects that closed contours enclose unambiguously, each of shape (H, W), the largest first."""
@@ -514,6 +543,16 @@ class Partition(drawing.Pictured):
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
         return Selection(mask, contours, gaps, estimate_confidence(features), inside, outside, remark, features)
+
+    def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
+        """Remove pixels from a selection, masks of shape (H, W), and what they cut off from its positive points."""
+        prompt, _ = self._resolve_points(selection.inside, NO_POINTS, self.interest & ~excluded)
+        mask = selection.mask & ~excluded
+        if len(prompt.positive):
+            mask = _select_connected(mask, prompt.positive)
+        return self.build_selection(
+            mask, selection.inside, selection.outside, selection.remark, features=selection.features
+        )
 
     def outline_mask(self, mask: Mask) -> tuple[ObjectOutline, ...]:
         """Outline a set of pixels, shape (H, W), along the contours next to it."""

@@ -70,7 +70,7 @@ ROWS = (
     Row("A click selects an object, closed across gaps", "the tool Objects, `partition`, `--object`",
         "tests/core/objects/test_partition.py::test_a_click_in_a_disk_gives_the_disk"),
     Row("Objects are clicked in a notebook", "`view`",
-        "tests/library/test_view.py::test_clicks_choose_select_correct_and_remove"),
+        "tests/core/notebook/test_view.py::test_clicks_choose_select_correct_and_remove"),
     Row("Outlines can be mended by hand", "the tool Mend",
         "tests/app/views/tools/test_mend_tool.py::test_a_boundary_is_pulled_onto_the_edge_in_one_step_of_undo"),
     Row("Results are compared with a truth", "Ctrl+D, `compare`",

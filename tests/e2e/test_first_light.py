@@ -12,6 +12,7 @@ from PIL import Image as Picture
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
 
+from cpm_core.formats import ProjectImage, update_project
 from tests.app.exporting import export
 from tests.e2e.conftest import PATIENCE
 
@@ -96,6 +97,21 @@ def test_every_sample_opens_ready_and_runs(window, qtbot) -> None:
         window.session.run()
         qtbot.waitUntil(lambda: window.session.status.step >= 5, timeout=PATIENCE)
         window.session.reset()
+
+
+def test_the_window_starts_on_the_first_image_of_a_folder_that_is_not_done(qtbot, tmp_path) -> None:
+    folder = tmp_path / "plates"
+    folder.mkdir()
+    for name in ("a.png", "b.png"):
+        Picture.fromarray(np.eye(64, dtype=np.uint8) * 200).save(folder / name)
+    update_project(folder, lambda project: project.with_image("a.png", ProjectImage("done")))
+    make_application()
+    window = open_window(str(folder))
+    session = window.session
+    qtbot.waitUntil(lambda: session.document.image is not None and session.idle, timeout=PATIENCE)
+    assert session.document.image.name == "b.png"
+    window.close()
+    window.deleteLater()
 
 
 def test_a_file_that_is_not_an_image_is_reported_on_the_start_screen_and_no_sample_opens(qtbot, tmp_path) -> None:

@@ -89,12 +89,15 @@ class ShownObjects:
         Numbers of the selected objects, and keys of the selected proposals.
     hovered : int
         Number of the object, or key of the proposal, under the pointer; 0 for none.
+    awaited : tuple of Click
+        Clicks whose answer is not shown yet.
     """
 
     proposals: tuple[Proposal, ...] = ()
     preview: Preview | None = None
     selected: frozenset[int] = frozenset()
     hovered: int = 0
+    awaited: Clicks = ()
 
 
 @record

@@ -46,7 +46,7 @@ from cpm_app.session.worker.commands import (
 from cpm_app.session.worker.run import Run
 from cpm_app.session.worker.worker_thread import WorkerThread
 from cpm_core import RUN_METHODS, Image, Parameters
-from cpm_core.formats import Reading
+from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.shapes import Sphere
 
@@ -353,18 +353,20 @@ class Session(QObject):
         resumes: bool = False,
         as_volume: bool | None = None,
         reading: Reading = DEFAULT_READING,
+        settings: SessionFile | None = None,
     ) -> None:
         """Open an image or a session file.
 
         The open image stays until the new one is known to be usable. An image that `resumes` is opened with the session
         next to it. A stack is opened `as_volume`, or one plane of it; None leaves that to the kind of file. `reading`
-        says which part of the file is read, and how.
+        says which part of the file is read, and how. An image without a session begins with the `settings`, if given.
         """
         path = Path(path)
         sample = find_copied_sample(path)
         kept = self.parameters_for_next_image if self.keeps_parameters else initial_parameters(self.document.mode)
         parameters = sample.parameters if sample else kept
-        self.begin_opening(OpenRequest(path, parameters, resumes=resumes, as_volume=as_volume, reading=reading))
+        request = OpenRequest(path, parameters, None, (), resumes, as_volume, reading, settings)
+        self.begin_opening(request)
 
     def begin_opening(self, request: OpenRequest) -> None:
         """Open an image or a session; see `open_file`."""

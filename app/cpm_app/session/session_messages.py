@@ -36,7 +36,10 @@ JOURNAL_CATEGORY = "journal"
 UNEXPECTED_CATEGORY = "unexpected"
 """Category of messages about unexpected errors."""
 
-PROGRAM_CATEGORIES = (RECOVERY_CATEGORY, JOURNAL_CATEGORY, UNEXPECTED_CATEGORY)
+PROJECT_CATEGORY = "project"
+"""Category of messages about the states of the images of a folder."""
+
+PROGRAM_CATEGORIES = (RECOVERY_CATEGORY, JOURNAL_CATEGORY, UNEXPECTED_CATEGORY, PROJECT_CATEGORY)
 """Categories of messages that do not concern the open image, and stay when another one is opened."""
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import chain, groupby
 
 import numpy as np
@@ -22,6 +22,7 @@ from cpm_core.formats.contours.contents import CollectedContours
 from cpm_core.formats.images.resolution import ascii_unit
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.pages.page import StackResult
+from cpm_core.results.result import Result
 
 Row = dict[str, object]
 """Cells of a row by column."""
@@ -142,16 +143,31 @@ def encode_object_table(result: Outcome) -> bytes:
     """Tabulate the regions enclosed by closed contours, or the objects in a volume, one per row.
 
     The columns are those of `Result.table`, in the unit of the image if it is known, which ends their names
-    (``area_um2``). For boundaries of objects, ``object`` is the number and ``class`` the class. For a skeleton it is
-    the table of `encode_measures`. ValueError when nothing is enclosed.
+    (``area_um2``). For boundaries of objects, ``object`` is the number, ``class`` the class and ``confidence`` the
+    confidence. For a skeleton it is the table of `encode_measures`. ValueError when nothing is enclosed.
     """
     if isinstance(result, Skeleton):
         return encode_measures(result)
-    measured = result.table(in_units=bool(result.unit))
-    if not measured.rows:
+    rows = _build_object_rows(result)
+    if not rows:
         raise ValueError(
             f"{result.source} has no closed contour, so a table of objects would be empty: continue the run."
         )
+    return encode_csv_rows(rows)
+
+
+def encode_tables_of_images(results: Iterable[Result]) -> bytes:
+    """Tabulate the objects of several images, one per row: ``image``, then the columns of `encode_object_table`.
+
+    Where the unit of lengths differs from image to image, each unit has columns of its own.
+    """
+    rows = chain.from_iterable(map(_build_object_rows, results))
+    return encode_csv_rows([{"image": ""} | row for row in rows], ("image", "label"))
+
+
+def _build_object_rows(result: Result) -> list[Row]:
+    """Build the rows of `encode_object_table`."""
+    measured = result.table(in_units=bool(result.unit))
     firsts = {label: one for label, one in zip(assign_labels(result.contours), result.contours, strict=True) if label}
     columns: Row = {}
     for name, unit in measured.units.items():
@@ -168,8 +184,9 @@ def encode_object_table(result: Outcome) -> bytes:
             row["name"] = escape_cell(first.name)
             if first.group:
                 row |= {"object": first.group, "class": escape_cell(first.category), "color": first.color}
+                row["confidence"] = "" if first.confidence is None else f"{first.confidence:.3g}"
         rows.append(row | build_provenance_cells(result))
-    return encode_csv_rows(rows)
+    return rows
 
 
 def encode_page_vertices(found: StackResult) -> bytes:

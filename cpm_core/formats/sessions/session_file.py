@@ -161,7 +161,7 @@ def save_session(session: SessionFile, path: Path) -> None:
     ----------
     session : SessionFile
         Content. The path of its image is written as an absolute path, and also relative to the file if it is in or
-        below the folder of the file.
+        below the folder of the file, or in the folder around it.
     path : Path
         Target; an existing file is replaced.
 
@@ -326,10 +326,12 @@ def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback
 
 
 def _place_to_json(place: str, folder: Path) -> JsonDict:
-    """Convert a path to JSON: relative to a folder if it is in or below it, and absolute; else as it is."""
+    """Convert a path to JSON: absolute, and relative to a folder if it is in or below it, or in the one around it."""
     path, folder = Path(place), folder.resolve()
     if path.is_absolute() and path.is_relative_to(folder):
         return {"path": path.relative_to(folder).as_posix(), "absolute": str(path)}
+    if path.is_absolute() and path.parent == folder.parent:
+        return {"path": f"../{path.name}", "absolute": str(path)}
     return {"path": place}
 
 

@@ -14,6 +14,7 @@ from importlib.resources import files
 import numpy as np
 import scipy
 
+from cpm_core.numerics.parallel import limit_blas
 from cpm_core.numerics.types import Single, record
 
 _ENCODER_LAYERS = (1, 2, 2, 2, 2)
@@ -39,6 +40,7 @@ class Network:
 
     weights: Mapping[str, Single]
 
+    @limit_blas()
     def __call__(self, maps: Single) -> tuple[Single, float]:
         """Answer to input maps, shape (C, H, W), with sides divisible by 16.
 

@@ -38,7 +38,7 @@ _CROP_RIM_WIDTH = 2.0
 
 
 _AREA_PENALTY = 0.2
-"""Overlap that counts as much as a factor of e between the area of an answer and those of other objects."""
+"""Overlap that counts as much as a factor of e between the area of an answer and the one that is known."""
 
 _MAX_DRAWN_RATIO = 40
 """Area of an object, in areas of what has been drawn in it, above which larger objects are less likely.
@@ -46,13 +46,14 @@ _MAX_DRAWN_RATIO = 40
 None of the objects that people outlined was 20 times as large as a disk of half the radius of its largest disk.
 """
 
+_MAX_IMAGE_SHARE = 0.5
+"""Share of the image above which an answer to points is rather what surrounds an object than the object."""
+
 _SAME_OBJECT_IOU = 0.7
 """Overlap of the answers to two crops above which they mean the same object."""
 
 _MAX_PREDICTIONS = 4
 """Largest number of objects that one prompt may mean."""
-
-_NO_AREAS = np.empty(0)
 
 _POINT_FADING = 6.0
 """Distance over which the influence of a point fades [px of the crop]."""
@@ -121,13 +122,13 @@ class CropPrediction(NamedTuple):
         border = np.array(shape) - 1
         return bool(((low > 0) & (low <= first + near)).any() or ((high < border) & (high >= last - near)).any())
 
-    def compute_score(self, areas: Array, drawn: Mask | None) -> float:
+    def compute_score(self, known_area: float | None, drawn: Mask | None) -> float:
         """Compute the rank of the answer among those of other crops.
 
-        `areas`, shape (N,) [px²], are those of other objects, and `drawn`, shape (H, W), is what has been drawn.
+        `known_area` [px²] is that of the object, and `drawn`, shape (H, W), is what has been drawn.
         """
         area = np.log(max(np.count_nonzero(self.probability > INSIDE_PROBABILITY) * self.crop.step_size**2, 1.0))
-        off = float(np.abs(np.log(np.maximum(areas, 1.0)) - area).min()) if len(areas) else 0.0
+        off = 0.0 if known_area is None else abs(float(np.log(max(known_area, 1.0)) - area))
         if drawn is not None:
             off += max(float(area - np.log(_MAX_DRAWN_RATIO * max(int(np.count_nonzero(drawn)), 1))), 0.0)
         return self.predicted_iou - _AREA_PENALTY * off
@@ -187,15 +188,17 @@ class ObjectPredictor:
     network: Network = field(default_factory=load_trained_network)
     gray_range: tuple[float, ...] = ()
 
-    def predict_objects(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Iterator[Prediction]:
+    def predict_objects(self, prompt: Prompt, known_area: float | None = None) -> Iterator[Prediction]:
         """Predict the objects that a prompt may mean, the most likely one first.
+
+        What covers most of the image comes after smaller objects that hold the points, if there are only positive ones.
 
         Parameters
         ----------
         prompt : Prompt
             The prompt.
-        areas : ndarray, shape (N,)
-            Areas of other objects of the image, to which it may be similar [px²].
+        known_area : float, optional
+            Area that the object has, about [px²].
         """
         if prompt.previous_mask is not None and prompt.previous_mask.any():
             yield self._refine_prediction(
@@ -205,8 +208,19 @@ class ObjectPredictor:
                 _MIN_CROP_REFINEMENTS,
             )
             return
+        surrounding: list[Prediction] = []
+        for found in self._predict_by_score(prompt, known_area):
+            is_large = prompt.has_only_positive and found.mask.mean() > _MAX_IMAGE_SHARE
+            if is_large or (surrounding and not found.mask[tuple(prompt.positive.T)].all()):
+                surrounding.append(found)
+            else:
+                yield found
+        yield from surrounding
+
+    def _predict_by_score(self, prompt: Prompt, known_area: float | None) -> Iterator[Prediction]:
+        """Predict different objects that a prompt may mean, those of the best score first."""
         answers = [self._predict_crop(window, prompt, None) for window in self._propose_crops(prompt)]
-        answers.sort(key=lambda answer: -answer.compute_score(areas, prompt.drawn_area))
+        answers.sort(key=lambda answer: -answer.compute_score(known_area, prompt.drawn_area))
         distinct: list[CropPrediction] = []
         for answer in answers:
             if distinct and (

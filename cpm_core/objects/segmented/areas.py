@@ -89,20 +89,28 @@ BOUNDARY_DECIMALS = 3
 
 
 def paint_boundary(
-    boundary: Sequence[Line], path: Sequence[Position], radius: float, adds: bool, shape: Extent
+    boundary: Sequence[Line],
+    path: Sequence[Position],
+    radius: float,
+    adds: bool,
+    shape: Extent,
+    limits: Iterable[Sequence[Line]] = (),
 ) -> tuple[Line, ...]:
     """Add to the boundary of an area, or remove from it, what a disk of a radius covers along a path [px].
 
-    Away from the brush the vertices stay as they were, and what is added ends at the border of the image.
+    Away from the brush the vertices stay as they were. What is added ends at the border of the image, and at the
+    boundaries in `limits`.
     """
     import shapely  # noqa: PLC0415 - needed for few edits
 
     way = shapely.LineString(path) if len(path) > 1 else shapely.Point(path[0])
-    brush = way.buffer(radius, quad_segs=_BRUSH_SEGMENTS)
+    brush, area = way.buffer(radius, quad_segs=_BRUSH_SEGMENTS), polygon_from_boundary(boundary)
     if not adds:
-        return boundary_from_polygon(polygon_from_boundary(boundary).difference(brush))
+        return boundary_from_polygon(area.difference(brush)) if area.intersects(brush) else tuple(boundary)
     within = brush.intersection(shapely.box(-0.5, -0.5, shape[0] - 0.5, shape[1] - 0.5))
-    return boundary_from_polygon(polygon_from_boundary(boundary).union(within))
+    for limit in limits:
+        within = within.difference(polygon_from_boundary(limit))
+    return tuple(boundary) if within.is_empty else boundary_from_polygon(area.union(within))
 
 
 def unite_objects(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:

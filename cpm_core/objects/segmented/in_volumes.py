@@ -62,12 +62,10 @@ def voxelize_brush(shape: Extent, path: Sequence[Place], radius: float, sides: S
     return low, mask
 
 
-def paint_voxels(
-    objects: SegmentedObjects, number: int, part: Part, adds: bool = True, over_others: bool = True
-) -> SegmentedObjects:
+def paint_voxels(objects: SegmentedObjects, number: int, part: Part, adds: bool = True) -> SegmentedObjects:
     """Add voxels to one of the objects of a volume, or remove them; an object without any left is dropped.
 
-    Voxels that are added are taken from the other objects, except from those that are frozen or hidden.
+    Voxels of other objects are not added, or, if objects may overlap, taken from those that are not frozen or hidden.
 
     Parameters
     ----------
@@ -79,8 +77,6 @@ def paint_voxels(
         The voxels.
     adds : bool
         Whether they are added rather than removed.
-    over_others : bool
-        Whether voxels of other objects are taken at all.
     """
     begin, mask = part
     known = {item.number: item for item in objects.items}
@@ -89,7 +85,7 @@ def paint_voxels(
         there = item.surface[0].mask_in_box(begin, mask.shape) & mask
         if item.number == number or not there.any():
             continue
-        if over_others and not item.frozen and not item.hidden:
+        if objects.may_overlap and not item.frozen and not item.hidden:
             taken[item.number] = there
         else:
             mask = mask & ~there

@@ -161,13 +161,16 @@ class SegmentedObject:
     def mask(self, shape: Extent) -> Mask:
         """Return the pixels or voxels of an image or a volume of this shape whose centers lie inside."""
         found = np.zeros(shape, bool)
-        for packed in self.surface:
-            packed.voxels.fill_into(found)
-        if self.surface:
-            return found
-        (top, left), window = self._rasterize_window(shape)
-        found[top : top + window.shape[0], left : left + window.shape[1]] = window
+        self.fill_into(found)
         return found
+
+    def fill_into(self, mask: Mask) -> None:
+        """Set the pixels or voxels of a mask whose centers lie inside."""
+        for packed in self.surface:
+            packed.voxels.fill_into(mask)
+        if not self.surface:
+            (top, left), window = self._rasterize_window(mask.shape)
+            mask[top : top + window.shape[0], left : left + window.shape[1]] |= window
 
     @property
     def outer_curves(self) -> tuple[Line, ...]:
@@ -237,11 +240,18 @@ class SegmentedObject:
         row, col = np.unravel_index(int(np.argmax(depth)), window.shape)
         return (*plane, float(row + first[0]), float(col + first[1]))
 
+    @cached_property
+    def _windows(self) -> dict[Extent, tuple[tuple[int, int], Mask]]:
+        """What `_rasterize_window` has found, by the shape of the image: each answer to a click needs all objects."""
+        return {}
+
     def _rasterize_window(self, shape: Extent) -> tuple[tuple[int, int], Mask]:
         """Rasterize the boundary: first row and column of the part of the image around it, and its pixels inside.
 
         Boundaries may reach far beyond the image.
         """
+        if shape in self._windows:
+            return self._windows[shape]
         low, high = self.box
         top, left = np.clip(np.floor(low), 0, shape).astype(int).tolist()
         bottom, right = np.clip(np.ceil(high) + 1, (top, left), np.maximum(shape, (top, left))).tolist()
@@ -252,7 +262,8 @@ class SegmentedObject:
             part = window[first : first + height]
             places = np.stack(np.meshgrid(rows[first : first + height], cols, indexing="ij"), axis=-1).reshape(-1, 2)
             part[:] = self.encloses(places.astype(float)).reshape(part.shape)
-        return (top, left), window
+        self._windows[shape] = (top, left), window
+        return self._windows[shape]
 
 
 DEFAULT_CLASSES: tuple[ObjectClass, ...] = tuple(
@@ -292,6 +303,8 @@ class SegmentedObjects:
         Rejected objects, which are not proposed again.
     taken : int
         Numbers up to this one are reserved for objects on other pages.
+    may_overlap : bool
+        Whether what is selected or painted may run over other objects, unless these are frozen.
 
     Raises
     ------
@@ -306,6 +319,7 @@ class SegmentedObjects:
     edited: int = 0
     rejected: tuple[SegmentedObject, ...] = ()
     taken: int = 0
+    may_overlap: bool = False
 
     def __post_init__(self) -> None:
         if len(self.classes) != CLASS_COUNT:

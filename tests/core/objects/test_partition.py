@@ -66,6 +66,36 @@ def test_nothing_outside_the_regions_of_interest_is_selected(disk_scene):
     assert overlap(chosen.mask, truth_of(disk_scene) & within) > 0.97
 
 
+@pytest.mark.parametrize("previous", [False, True])
+def test_nothing_excluded_is_selected_and_the_rest_is_what_it_would_be(disk_scene, disk_partition, previous):
+    right = np.indices(SHAPE)[1] >= 50
+    before = disk_partition.select([(47, 40)])
+    chosen = disk_partition.select([(47, 40)], previous=before if previous else None, excluded=right)
+    np.testing.assert_array_equal(chosen.mask, before.mask & ~right)
+    assert all((curve.points[:, 1] < 50).all() for curve in chosen.contours)
+    for one in disk_partition.find_candidates([(47, 40)], excluded=right):
+        assert not (one.mask & right).any()
+
+
+def test_a_point_in_an_excluded_pixel_is_ignored_and_that_is_told(disk_partition):
+    right = np.indices(SHAPE)[1] >= 50
+    chosen = disk_partition.select([(47, 55)], excluded=right)
+    assert not chosen.mask.any()
+    assert "in another object" in chosen.remark
+    with pytest.raises(ValueError, match="the excluded pixels are"):
+        disk_partition.select([(47, 40)], excluded=right[1:])
+
+
+@pytest.mark.parametrize("place", [(30, 44), (24, 36)])
+def test_points_that_change_nothing_leave_the_confidence_as_it_was(scene_partition, place):
+    before = scene_partition.select([(30, 38)], [(30, 68)])
+    assert before.mask[place]
+    after = scene_partition.select([(30, 38), place], [(30, 68), (5, 5)], previous=before)
+    assert after.has_same_region(before)
+    assert (after.confidence, after.features) == (before.confidence, before.features)
+    assert (len(after.inside), len(after.outside)) == (2, 2)
+
+
 def two_disks(row, col):
     """Two disks that touch, a ring, and a half disk at the left border."""
     first, second = np.hypot(row - 30.0, col - 40.0) < 15.0, np.hypot(row - 30.0, col - 66.0) < 13.0

@@ -74,6 +74,23 @@ def test_a_click_in_an_ellipse_finds_it_without_any_contour(axes, bright):
     assert overlap(next(ObjectPredictor(values).predict_objects(Prompt(np.array([[60, 55]])))).mask, mask) > 0.85
 
 
+def test_what_covers_most_of_the_image_comes_after_what_is_smaller_and_holds_the_click():
+    prompt, seen = Prompt(np.array([[60, 55]])), []
+
+    def answer(maps):
+        """Answer with what is near the click in small crops, and, of a better score, with all of the two largest."""
+        seen.append(maps)
+        is_large = len(seen) in (count - 1, count) or maps[8].mean() > 0.3
+        return np.where(is_large, 1.0, maps[5]).astype(np.float32), 0.9 if is_large else 0.5
+
+    predictor = ObjectPredictor(np.zeros((SIDE, SIDE)), network=answer)
+    count = len(list(predictor._propose_crops(prompt)))
+    shares = [one.mask.mean() for one in predictor.predict_objects(prompt)]
+    large = [share > 0.5 for share in shares]
+    assert set(large) == {False, True}
+    assert large == sorted(large), shares
+
+
 def test_objects_of_one_brightness_are_told_apart_by_color():
     mask = np.hypot(ROW - 60.0, COL - 60.0) < 25.0
     color = np.where(mask[..., None], [180.0, 90.0, 110.0], [60.0, 153.0, 97.0])

@@ -321,6 +321,7 @@ def build_objects_result(document: Document, only: Container[int] | None = None)
             color=objects.color_of(item),
             group=item.number,
             category=class_title(objects, item.category),
+            confidence=item.confidence or None,
         )
         for item in shown
         for contour in contours_from_object(item)
@@ -364,11 +365,14 @@ def _replace_objects(document: Document, **parts: Any) -> Document:
     return replace(document, objects=replace(document.objects, **parts))
 
 
-def paint_volume_object(
-    document: Document, number: int, part: Part, adds: bool = True, over_others: bool = True
-) -> Document:
+def set_overlap(document: Document, may_overlap: bool) -> Document:
+    """Set whether what is selected or painted may run over other objects."""
+    return _replace_objects(document, may_overlap=may_overlap)
+
+
+def paint_volume_object(document: Document, number: int, part: Part, adds: bool = True) -> Document:
     """Add voxels to an object of a volume, or to a new one, or remove them; see `paint_voxels`."""
-    return replace(document, objects=paint_voxels(document.objects, number, part, adds, over_others))
+    return replace(document, objects=paint_voxels(document.objects, number, part, adds))
 
 
 _BRUSH_EDGE_TOLERANCE = 0.1

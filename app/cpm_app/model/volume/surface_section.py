@@ -17,7 +17,8 @@ from cpm_core.contours import PackedBody, PackedVoxels, slice_surface
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Line
-from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import Clicks
 
 _CACHED_SURFACE_CUTS = 32
 """Number of cuts of surfaces that are cached, as every move of the pointer needs them again."""
@@ -67,7 +68,7 @@ def cut_objects(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
     """Cut objects by a slice, as objects of an image, with the clicks near it."""
     items = tuple(cut for item in objects.items if (cut := _cut_object(item, here)) is not None)
     edited = objects.edited if any(item.number == objects.edited for item in items) else 0
-    return replace(objects, items=items, clicks=tuple(_select_near_clicks(objects.clicks, here)), edited=edited)
+    return replace(objects, items=items, clicks=select_near_clicks(objects.clicks, here), edited=edited)
 
 
 def _cut_object(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
@@ -75,11 +76,14 @@ def _cut_object(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
     return replace(item, clicks=(), boundary=boundary, surface=()) if boundary else None
 
 
-def _select_near_clicks(clicks: Iterable[Click], here: Slice) -> Iterable[Click]:
+def select_near_clicks(clicks: Clicks, here: Slice) -> Clicks:
+    """Select the clicks near a slice, as clicks in it."""
+    near = []
     for click in clicks:
         places = tuple(here.drop_axis(at) for at in click.places if abs(at[here.axis] - here.index) <= _CLICK_DISTANCE)
         if places:
-            yield replace(click, places=places)
+            near.append(replace(click, places=places))
+    return tuple(near)
 
 
 def cut_selection(selection: AnySelection, here: Slice) -> Selection:

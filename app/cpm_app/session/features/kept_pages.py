@@ -127,7 +127,8 @@ def with_starts(document: Document, starts: tuple[Start, ...]) -> Document:
 
 def without_results(document: Document) -> Document:
     """Keep the settings of a document for another page: shapes, parameters, mode and classes, but no results."""
-    known = SegmentedObjects(classes=document.objects.classes, category=document.objects.category)
+    known = document.objects
+    known = SegmentedObjects(classes=known.classes, category=known.category, may_overlap=known.may_overlap)
     return Document(document.image, document.shapes, document.parameters, mode=document.mode, objects=known)
 
 
@@ -313,7 +314,8 @@ class PageDone:
     runs: JsonObject = field(default_factory=dict)
 
 
-def _record_state(recorder: RunRecorder, task: BackgroundTask, state: State) -> None:
+def record_state(recorder: RunRecorder, task: BackgroundTask, state: State) -> None:
+    """Record a state of a run in the background; raise `Cancelled` if the task has been cancelled."""
     task.check_cancelled()
     recorder(state)
 
@@ -341,7 +343,7 @@ def run_pages(
             recorder = RunRecorder()
             engine = Engine(image, document.parameters, document.regions)
             seeds = document.find_image_seeds(SeedCache(image))
-            result = run_document(engine, document, seeds, partial(_record_state, recorder, task))
+            result = run_document(engine, document, seeds, partial(record_state, recorder, task))
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others

@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, Signal
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.objects import apply_brush, paint_volume_object
 from cpm_app.model.text.language import tr
+from cpm_app.model.volume.surface_section import object_contains
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.session import Session
 from cpm_core.numerics import Place, polyline
@@ -34,8 +35,8 @@ def default_brush_radius(image: ImageReference | None) -> float:
 class ObjectBrush(QObject):
     """The brush for objects, which paints one of them from the press of the button to its release.
 
-    Of the objects that the brush touches, a selected one comes first, then the one under the pointer. A brush that adds
-    makes a new object if it touches none when pressed; one that removes waits until it touches one.
+    It is the selected one, wherever the stroke begins; of several, the one under the pointer comes first. Without a
+    selected one, a brush that adds makes a new object, and one that removes waits until it touches one.
     """
 
     changed = Signal(float)
@@ -47,10 +48,12 @@ class ObjectBrush(QObject):
         self._chosen_radius: float | None = None
         self.paints_in_space = False
         """Whether the brush paints balls through all slices of a volume, not disks in one slice."""
-        self.paints_over_others = True
-        """Whether it takes voxels from other objects there."""
         self._path: list[Place] = []
         self._before: SegmentedObject | None = None
+        self._limits: tuple[SegmentedObject, ...] = ()
+        """Objects of the image that the stroke stays out of."""
+        self._known = session.document.objects
+        """The objects before the stroke."""
         self._boundary: tuple[Line, ...] = ()
         self._number, self._stroke_radius, self._gesture = 0, 0.0, ""
         self._axis: int | None = None
@@ -74,11 +77,6 @@ class ObjectBrush(QObject):
         self.paints_in_space = not self.paints_in_space
         self.changed.emit(self.radius)
 
-    def toggle_over_others(self) -> None:
-        """Toggle whether the brush paints over other objects."""
-        self.paints_over_others = not self.paints_over_others
-        self.changed.emit(self.radius)
-
     # Strokes
 
     @property
@@ -93,7 +91,8 @@ class ObjectBrush(QObject):
         """
         self._path, self._stroke_radius, self.adds, self._gesture, self._axis = [at], self.radius, adds, gesture, axis
         self._number = self._list.objects.next_number if makes_new else 0
-        self._before, self._boundary = None, ()
+        self._before, self._boundary, self._known = None, (), self._list.objects
+        self._limits = self._find_limits(at, None, makes_new)
         self._list.pause_measuring()
         self._paint_stretch()
 
@@ -104,44 +103,75 @@ class ObjectBrush(QObject):
             self._paint_stretch()
 
     def end_stroke(self) -> None:
-        """End the stroke, with a message if it has touched no object."""
+        """End the stroke, with a message if it has changed no object."""
         if self._path and not self._number:
             self._session.messages.show(tr("There is no object under the brush to erase from."))
+        elif self._path and self.adds and self._list.objects == self._known:
+            others = (item for item in self._known.items if item.number != self._number)
+            found = next((item for item in others if any(object_contains(item, at) for at in self._path)), None)
+            if found is not None:
+                self._session.messages.show(self._explain_obstacle(found))
         self._path = []
         self._list.resume_measuring()
 
-    def find_target(self, newest: Sequence[Place], radius: float) -> SegmentedObject | None:
-        """Find the object that a stroke along some places would paint; None if it would begin a new one.
-
-        In a volume, a selected object is painted even where the brush does not touch it, so that it continues in other
-        slices.
-        """
-        under, selected = self._list.object_number_at(newest[-1]), self._list.selected_numbers
-        if len(newest[-1]) == 3:
-            near = [one for one in self._list.objects.items if one.number in {*selected, under} and not one.hidden]
-        else:
+    def find_target(self, newest: Sequence[Place], radius: float, adds: bool) -> SegmentedObject | None:
+        """Find the object that a stroke along some places would paint; None for a new one, or none to erase from."""
+        under = self._list.object_number_at(newest[-1])
+        near = [one for one in self._list.selected_objects if not one.line]
+        if not near and not adds and len(newest[-1]) == 3:
+            near = [one for one in self._list.objects.items if one.number == under]
+        elif not near and not adds:
             path = polyline.sample_path(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
             near = [
                 item for item in self._list.objects_near(path, radius) if not item.line and
                 (item.encloses(path).any() or (polyline.distances_to_closed_paths(item.boundary, path) < radius).any())
             ]  # fmt: skip
-        return min(near, key=lambda one: (one.number not in selected, one.number != under, one.area), default=None)
+        return min(near, key=lambda one: (one.number != under, one.area), default=None)
+
+    def find_obstacle(self, at: Place, target: SegmentedObject | None, adds: bool, makes_new: bool) -> str:
+        """Find why a brush at a place would do nothing, as a sentence; empty if it would paint, or erase."""
+        if target is not None and (target.frozen or target.hidden):
+            return self._explain_obstacle(target)
+        limits = self._find_limits(at, target, makes_new) if adds else ()
+        found = next((item for item in limits if object_contains(item, at)), None)
+        return "" if found is None else self._explain_obstacle(found)
+
+    def _find_limits(self, at: Place, target: SegmentedObject | None, makes_new: bool) -> tuple[SegmentedObject, ...]:
+        """Find the objects that a stroke from a place stays out of; a new one may begin inside another."""
+        known, in_volume = self._list.objects, len(at) == 3
+        limits = [
+            item for item in known.items
+            if item is not target and (item.frozen or not known.may_overlap or (in_volume and item.hidden))
+        ]  # fmt: skip
+        if makes_new and not in_volume:
+            limits = [item for item in limits if item.frozen or not object_contains(item, at)]
+        return tuple(limits)
+
+    def _explain_obstacle(self, item: SegmentedObject) -> str:
+        """Explain why an object is not painted, or not painted over."""
+        if item.frozen:
+            words = tr("{name} is frozen: unfreeze it to paint here.")
+        elif item.hidden:
+            words = tr("{name} is hidden: show it to paint here.")
+        else:
+            words = tr("This belongs to {name}: select it to paint it, or let objects overlap (menu Objects).")
+        return words.format(name=self._list.title_of(item))
 
     def _paint_stretch(self) -> None:
-        """Paint the newest stretch of the path; a frozen object stays as it is, with a message."""
+        """Paint the newest stretch of the path; a frozen or hidden object stays as it is, with a message."""
         image, stretch = self._session.document.image, self._path[-2:]
         if image is None:
             return
         if not self._number:
-            item = self.find_target(stretch, self._stroke_radius)
-            if item is not None and item.frozen:
-                words = tr("{name} is frozen: unfreeze it to paint it, or paint another object.")
-                self._session.messages.show(words.format(name=self._list.title_of(item)))
+            item = self.find_target(stretch, self._stroke_radius, self.adds)
+            if item is not None and (item.frozen or item.hidden):
+                self._session.messages.show(self._explain_obstacle(item))
                 self._path = []
             if not self._path or not (item or self.adds):
                 return
             self._before, self._boundary = item, item.boundary if item else ()
             self._number = item.number if item else self._list.objects.next_number
+            self._limits = tuple(each for each in self._limits if each.number != self._number)
         self._session.edit(tr("paint object"), self._make_edit(image, stretch), self._gesture)
         there = any(item.number == self._number for item in self._list.objects.items)
         self._list.select_objects((self._number,) if there else ())
@@ -155,9 +185,12 @@ class ObjectBrush(QObject):
                 number=self._number,
                 part=part,
                 adds=self.adds,
-                over_others=self.paints_over_others,
             )
-        self._boundary = paint_boundary(self._boundary, stretch, self._stroke_radius, self.adds, image.shape)
+        radius = self._stroke_radius
+        low, high = np.min(stretch, axis=0) - radius, np.max(stretch, axis=0) + radius
+        near = (item for item in self._limits if (item.box[0] <= high).all() and (item.box[1] >= low).all())
+        limits = [item.boundary for item in near]
+        self._boundary = paint_boundary(self._boundary, stretch, radius, self.adds, image.shape, limits)
         return partial(
             apply_brush,
             before=self._before,

@@ -14,7 +14,6 @@ from cpm_app.model.document.objects import paint_volume_object
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.contour_selection import ContourSelection
-from cpm_app.session.features.object_brush import ObjectBrush
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_rows import DRAFT_KEY, ItemKey, ObjectRow
 from cpm_app.session.session import Session
@@ -39,12 +38,9 @@ class ObjectCommands(QObject):
     class_begun = Signal(int)
     """A class without a name is used next to another one for the first time."""
 
-    def __init__(
-        self, session: Session, contour_selection: ContourSelection, object_list: ObjectList, brush: ObjectBrush
-    ) -> None:
+    def __init__(self, session: Session, contour_selection: ContourSelection, object_list: ObjectList) -> None:
         super().__init__(session)
-        self._session, self._contour_selection = session, contour_selection
-        self._list, self._brush = object_list, brush
+        self._session, self._contour_selection, self._list = session, contour_selection, object_list
         self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
         session.image_changed.connect(self._merging.drop_waiting)
 
@@ -101,6 +97,12 @@ class ObjectCommands(QObject):
             )
         else:
             self.reject_selected()
+
+    def toggle_overlap(self) -> None:
+        """Toggle whether what is selected or painted may run over other objects."""
+        overlaps = not self._list.objects.may_overlap
+        words = tr("objects may overlap") if overlaps else tr("objects may not overlap")
+        self._session.edit(words, lambda document: objects.set_overlap(document, overlaps))
 
     # Editing
 
@@ -169,7 +171,7 @@ class ObjectCommands(QObject):
         slices, image, items = self._session.scene.slices, self._session.document.image, self._list.selected_objects
         if slices is None or image is None or len(items) != 1:
             return
-        (item,), axis, over_others = items, slices.axis, self._brush.paints_over_others
+        (item,), axis = items, slices.axis
         name = self._list.title_of(item)
 
         def add_part(found: tuple[Part, int]) -> None:
@@ -178,9 +180,7 @@ class ObjectCommands(QObject):
                 self._session.messages.show(tr("{name} has no gap between the slices across this axis.", name=name))
                 return
             words = tr("fill {what} between slices", what=name)
-            self._session.edit(
-                words, partial(paint_volume_object, number=item.number, part=part, over_others=over_others)
-            )
+            self._session.edit(words, partial(paint_volume_object, number=item.number, part=part))
             self._session.messages.show(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
 
         self._change_in_background(items, lambda: fill_between_slices(item.surface[0], axis, image.spacing), add_part)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -85,12 +86,24 @@ class SelectionRequest:
         return offered, preview, candidate
 
 
+@frozen
+class WaitingAction:
+    """An action that waits for the answer to earlier ones, and the click that it will make, if it is one."""
+
+    run: Callback
+    click: Click | None
+
+
 SelectionAnswer = tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int, int] | None]
 """Proposals, the effect of a click, and the clicks of a candidate with its number and the number of candidates."""
 
 
 class ObjectSelection(QObject):
-    """Keeps the proposals and the preview of the scene up to date, and changes the clicks of the document."""
+    """Keeps the proposals and the preview of the scene up to date, and changes the clicks of the document.
+
+    What the user does before an answer is known waits for it, so that it means what it would mean then; see
+    `do_in_order`.
+    """
 
     changed = Signal()
     """The proposals have changed, or whether one can be made."""
@@ -104,14 +117,15 @@ class ObjectSelection(QObject):
         self._in_use, self._run_ended = False, False
         self._pointed: Click | None = None
         self._steps = 0
-        self._on_answered: Callback | None = None
+        self._waiting: deque[WaitingAction] = deque()
+        self._answered: SelectionRequest | None = None
+        """The newest request whose answer is shown."""
+        self._is_catching_up = False
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
         self._selectors: dict[int, Selector] = {}
         self._request: SelectionRequest | None = None
         self._remark, self._was_ready = "", False
-        self._shown_partition: AnyPartition | None = None
-        """The partition whose proposals are shown."""
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
         self._finding = ENDED_TASK
         self.partition_updater = PartitionUpdater(
@@ -146,14 +160,27 @@ class ObjectSelection(QObject):
     @property
     def idle(self) -> bool:
         """Whether the proposals are up to date."""
-        return self._latest.idle and self._finding.is_over and not self.partition_updater.preparing
+        resting = self._latest.idle and self._finding.is_over and not self.partition_updater.preparing
+        return resting and not self._waiting
+
+    @property
+    def answered(self) -> bool:
+        """Whether the object of the clicks is known, or will not be; true without clicks."""
+        last, newest = self._answered, self._request
+        if not self.selecting:
+            return True
+        if newest is None:
+            return self.partition_updater.has_failed
+        if last is None or last.selector is not newest.selector:
+            return False
+        return last.clicks == self._session.document.objects.clicks
 
     @property
     def offer_is_known(self) -> bool:
         """Whether all that the run offers is shown; true if it offers nothing."""
-        updater = self.partition_updater
-        shown = updater.is_current and self._shown_partition is updater.partition and self._finding.is_over
-        return shown or not self._offered_starts
+        updater, last = self.partition_updater, self._answered
+        shown = updater.is_current and last is not None and last.selector.partition is updater.partition
+        return not self._offered_starts or (shown and self._finding.is_over)
 
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
@@ -186,11 +213,10 @@ class ObjectSelection(QObject):
             self._update_shown_objects(preview=None)
         self._request_answer()
 
-    def add_click(self, places: tuple[Place, ...], inside: bool = True) -> None:
+    def add_click(self, click: Click) -> None:
         """Add a click: positive points of the object, or negative ones."""
-        click = Click(places, inside)
         clicks, number = self._clicks_before(self._number_to_correct(click))
-        self._set_clicks(tr("select") if inside else tr("remove from selection"), (*clicks, click), number)
+        self._set_clicks(tr("select") if click.inside else tr("remove from selection"), (*clicks, click), number)
 
     def correct_object(self, number: int) -> None:
         """Continue to select an object, given by its number, or a proposal, given by its key."""
@@ -199,15 +225,29 @@ class ObjectSelection(QObject):
 
     def step_candidate(self, by: int) -> None:
         """Step to a larger candidate for the object of the clicks or the selected one, a smaller one if `by` < 0."""
-        self._steps += by
-        self._request_answer()
-
-    def call_when_answered(self, callback: Callback) -> None:
-        """Call a function as soon as the object of the clicks is known."""
-        if self.selecting and not any(each.clicks == self._session.document.objects.clicks for each in self.proposals):
-            self._on_answered = callback
+        if self.ready:
+            self._steps += by
+            self._request_answer()
         else:
-            callback()
+            self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
+
+    def do_in_order(self, action: Callback, click: Click | None = None, *, needs_answer: bool = True) -> None:
+        """Do what the user wants after all that was wanted before: now, or as soon as the answers to it are known.
+
+        Parameters
+        ----------
+        action : callable
+            Does it; it must not call this method.
+        click : Click, optional
+            The click that it makes, which is marked until its answer is shown.
+        needs_answer : bool
+            Whether it depends on what the clicks of the document select.
+        """
+        if self._waiting or self._steps or (needs_answer and not self.answered):
+            self._waiting.append(WaitingAction(action, click))
+            self._show_awaited_clicks()
+        else:
+            action()
 
     def undo_click(self) -> None:
         """Undo the last click."""
@@ -224,7 +264,8 @@ class ObjectSelection(QObject):
 
     def refit_objects(self, numbers: frozenset[int]) -> None:
         """Select the objects of these numbers again by their own clicks; frozen ones stay as they are."""
-        partition, items = self.partition_updater.partition, self._session.document.objects.items
+        partition, known = self.partition_updater.partition, self._session.document.objects
+        items, overlaps = known.items, known.may_overlap
         fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
         if partition is None or not fitted:
             self._session.messages.show(tr("There is nothing to fit: select objects that are not frozen."))
@@ -232,10 +273,10 @@ class ObjectSelection(QObject):
 
         def select_again(task: BackgroundTask) -> list[tuple[AnySelection, Clicks, int]]:
             found = []
-            selector = Selector(partition, items, 0, Offer())
             for done, item in enumerate(fitted):
                 task.advance(done / len(fitted))
-                selection = selector.selection_for(item.clicks)
+                others = [each for each in items if each is not item]
+                selection = Selector(partition, others, overlaps=overlaps).selection_for(item.clicks)
                 if selection is not None:
                     found.append((selection, item.clicks, item.number))
             return found
@@ -260,7 +301,8 @@ class ObjectSelection(QObject):
         def find_new(task: BackgroundTask) -> list[Selection]:
             alike = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
             taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
-            return [each for each in alike if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
+            new = [each for each in alike if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
+            return new if known.may_overlap else [partition.remove_pixels(each, taken) for each in new]
 
         def add_found(found: list[Selection]) -> None:
             if partition.image is not self._session.image:
@@ -370,13 +412,12 @@ class ObjectSelection(QObject):
 
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
-        items, offer = self._session.document.objects.items, self._make_offer(partition)
-        if any(
-            (each.partition, each.items, each.offer) != (partition, items, offer) for each in self._selectors.values()
-        ):
+        known, offer = self._session.document.objects, self._make_offer(partition)
+        made_of = partition, known.items, offer, known.may_overlap
+        if any((each.partition, each.items, each.offer, each.overlaps) != made_of for each in self._selectors.values()):
             self._selectors = {}
         if number not in self._selectors:
-            self._selectors[number] = Selector(partition, items, number, offer)
+            self._selectors[number] = Selector(partition, known.items, number, offer, known.may_overlap)
         return self._selectors[number]
 
     def _request_answer(self) -> None:
@@ -384,6 +425,7 @@ class ObjectSelection(QObject):
         partition, known = self.partition_updater.partition, self._session.document.objects
         if partition is None:
             self._set_proposals(())
+            self._catch_up()
             return
         changed = self._request is not None and known.items is not self._request.selector.items
         gone = {click for item in known.items for click in item.clicks} if changed else set()  # accepted meanwhile
@@ -391,7 +433,7 @@ class ObjectSelection(QObject):
             tuple(each for each in self.proposals if not gone.issuperset(each.clicks) and (each.key or known.clicks))
         )
         pointed, stepped = None, None
-        if self._pointed is not None:
+        if self._pointed is not None and self.answered and not self._waiting:
             clicks, number = self._clicks_before(self._number_to_correct(self._pointed))
             pointed = self._get_selector(partition, number), clicks, self._pointed
         if self._steps:
@@ -400,7 +442,10 @@ class ObjectSelection(QObject):
         request = SelectionRequest(self._get_selector(partition, known.edited), known.clicks, pointed, stepped)
         if request != self._request:
             self._request = request
-            self._latest.submit(request.compute_answer, partial(self._on_answer, request), self._clear_steps)
+            self._latest.submit(
+                request.compute_answer, partial(self._on_answer, request), partial(self._on_failure, request)
+            )
+        self._catch_up()
 
     @property
     def _stepped_clicks(self) -> tuple[Clicks, int]:
@@ -421,14 +466,41 @@ class ObjectSelection(QObject):
         if remark and remark != self._remark:  # once
             self._session.messages.show(remark)
         self._remark = remark
-        if self._shown_partition is not request.selector.partition:
-            self._shown_partition = request.selector.partition
-            self.changed.emit()
         if candidate is not None and request.candidate_step is not None:
             self._on_candidate(request.candidate_step, *candidate)
-        callback, self._on_answered = self._on_answered, None
-        if callback is not None and clicks:
-            callback()
+        last, self._answered = self._answered, request
+        if last is None or last.selector.partition is not request.selector.partition:
+            self.changed.emit()
+        self._catch_up()
+        if self._pointed is not None:
+            self._request_answer()  # what a click there would do now
+
+    def _on_failure(self, request: SelectionRequest) -> None:
+        """Give up what waits for an answer that does not come."""
+        self._answered = request
+        self._waiting.clear()
+        self._clear_steps()
+        self._show_awaited_clicks()
+
+    def _catch_up(self) -> None:
+        """Do what has waited for an answer, up to what needs the next one."""
+        if self._is_catching_up:
+            return
+        self._is_catching_up = True
+        try:
+            while self._waiting and self.answered and not self._steps:
+                self._waiting.popleft().run()
+        finally:
+            self._is_catching_up = False
+        self._show_awaited_clicks()
+
+    def _show_awaited_clicks(self) -> None:
+        """Mark the clicks whose answer is not shown yet."""
+        known = self._answered.clicks if self._answered is not None else ()
+        clicks = () if self.answered else self._session.document.objects.clicks
+        new = (each for each in clicks if each not in known)
+        later = (each.click for each in self._waiting if each.click is not None)
+        self._update_shown_objects(awaited=(*new, *later))
 
     def _on_candidate(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
         """Select a candidate, and show its number."""
@@ -468,7 +540,8 @@ class ObjectSelection(QObject):
         self._latest.drop_waiting()
         self._finding.cancel()
         self._selectors, self._found = {}, ()
-        self._request = self._pointed = self._searched = self._shown_partition = None
+        self._waiting.clear()
+        self._request = self._answered = self._pointed = self._searched = None
         self._steps, self._run_ended = 0, False
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, replace
 from functools import cached_property
 from itertools import chain
@@ -36,7 +36,7 @@ from cpm_core import (
 from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import JsonDict, frozen
+from cpm_core.numerics.types import Extent, JsonDict, Mask, frozen
 from cpm_core.objects import compute_iou
 from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, collect_points, selection_from_object
@@ -85,6 +85,8 @@ class PartitionUpdater(QObject):
         self.source: PartitionSource | None = None
         """Source of `partition`."""
         self._asked_for: PartitionSource | None = None
+        self.has_failed = False
+        """Whether the partition that was asked for last could not be made."""
         self._everywhere: PreparedPartition | None = None
         self._task = ENDED_TASK
         self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
@@ -116,7 +118,7 @@ class PartitionUpdater(QObject):
             if source != self.source:
                 self._set_partition(known)
         elif source != self._asked_for:
-            self._asked_for = source
+            self._asked_for, self.has_failed = source, False
             self._task.cancel()
             if isinstance(source, EverywhereRun):
                 alone = source.image.ndim == 3 or math.prod(source.image.shape) > MAX_OFFERED_PIXELS
@@ -125,7 +127,11 @@ class PartitionUpdater(QObject):
                 if not alone:
                     self._start_run_everywhere(source)
             else:
-                self._latest.submit(lambda: (source, _precompute_selection(partition(source))), self._on_partition_made)
+                self._latest.submit(
+                    lambda: (source, _precompute_selection(partition(source))),
+                    self._on_partition_made,
+                    self._on_failure,
+                )
 
     def close(self) -> None:
         """End the thread."""
@@ -165,6 +171,10 @@ class PartitionUpdater(QObject):
         self.source, self.partition = prepared
         self.changed.emit()
         self.update_partition()
+
+    def _on_failure(self) -> None:
+        self.has_failed = True
+        self.changed.emit()
 
     def _on_document_changed(self, document: Document) -> None:
         """Wait until parameters and limits stop changing before another run from everywhere."""
@@ -252,6 +262,10 @@ class Offer:
     rejected: tuple[SegmentedObject, ...] = ()
 
 
+NO_OFFER = Offer()
+"""No offer, before a run has ended."""
+
+
 class Selector:
     """Selects objects on one partition and keeps the selections; each click changes the selection of those before it.
 
@@ -265,19 +279,24 @@ class Selector:
         Number of the object being changed, 0 for none; its own clicks select it unchanged.
     offer : Offer
         Offer of a run; the clicks of a found object select it unchanged, too.
+    overlaps : bool
+        Whether selections may run over existing objects that are not frozen.
     """
 
-    def __init__(self, partition: AnyPartition, items: Sequence[SegmentedObject], edited: int, offer: Offer) -> None:
-        self.partition, self.items, self.edited, self.offer = partition, items, edited, offer
+    def __init__(
+        self,
+        partition: AnyPartition,
+        items: Sequence[SegmentedObject],
+        edited: int = 0,
+        offer: Offer = NO_OFFER,
+        overlaps: bool = False,
+    ) -> None:
+        self.partition, self.items, self.edited, self.offer, self.overlaps = partition, items, edited, offer, overlaps
+        self._limits = [item for item in items if item.number != edited and (item.frozen or not overlaps)]
         self._known: dict[Clicks, AnySelection | None] = {}
-        self._given: dict[Clicks, AnySelection] = {each.clicks: each.selection for each in offer.found}
         self._stepped: tuple[Clicks, tuple[Sequence[AnySelection], int]] | None = None
         """The clicks whose candidates were requested last, and the candidates, which take long in a volume."""
         self._changed = next((item for item in items if item.number == edited), None)
-        # positive points of frozen objects, except for points of a line drawn around one
-        frozen = [item for item in items if item.frozen and item.number != edited and item.unpacked_surface is None]
-        within = (item.inside[item.encloses(item.inside)] for item in frozen)
-        self._elsewhere = np.concatenate([np.empty((0, 2)), *within])
 
     def selection_for(self, clicks: Clicks) -> AnySelection | None:
         """Return the object that clicks select; None if none of them is positive."""
@@ -291,7 +310,7 @@ class Selector:
         inside = collect_points(clicks, inside=True)
         if not len(inside):
             return None
-        item, made = self._changed, self._given.get(clicks)
+        item, made = self._changed, self._found_by_clicks.get(clicks)
         if made is None and item is not None and clicks == initial_clicks(item, self.partition.shape):
             if isinstance(self.partition, VolumePartition):
                 made = self.partition.build_selection(item.surface[0], item.inside, item.outside)
@@ -320,14 +339,46 @@ class Selector:
 
     def _other_arguments(self, clicks: Clicks) -> JsonDict:
         """Return the arguments of a selection other than the positive points."""
-        inside, outside = collect_points(clicks, inside=True), collect_points(clicks, inside=False)
-        previous = self.selection_for(clicks[:-1])
+        outside, previous = collect_points(clicks, inside=False), self.selection_for(clicks[:-1])
         if isinstance(self.partition, VolumePartition):
             return {"outside": outside, "previous": previous}
-        areas = [item.area for item in self.items if item.number != self.edited]
-        if previous is None and len(self._elsewhere):  # frozen objects are negative points only
-            previous = self.partition.select(inside, outside, areas=areas)
-        return {"outside": np.concatenate([outside, self._elsewhere]), "previous": previous, "areas": areas}
+        return {"outside": outside, "previous": previous, "excluded": self._find_excluded(clicks)}
+
+    def _find_excluded(self, clicks: Clicks) -> Mask | None:
+        """Find the pixels that the object of clicks must leave to other objects; None without any.
+
+        An object that a positive click lies in, for the most part, is none of these: the click is for what it holds, or
+        for what holds it.
+        """
+        within = [np.array(click.places) for click in clicks if click.inside]
+        apart = [item for item in self._limits if not any(item.encloses(places).mean() > 0.5 for places in within)]
+        if len(apart) < len(self._limits):
+            return _unite_masks(apart, self.partition.shape)
+        return self._taken if apart else None
+
+    @cached_property
+    def _taken(self) -> Mask:
+        return _unite_masks(self._limits, self.partition.shape)
+
+    @cached_property
+    def _found(self) -> tuple[Proposal, ...]:
+        """The found objects of the offer, without the pixels of existing ones."""
+        limited = map(self._limit_proposal, self.offer.found)
+        return tuple(each for each in limited if each.selection.has_boundary)
+
+    @cached_property
+    def _found_by_clicks(self) -> dict[Clicks, AnySelection]:
+        return {each.clicks: each.selection for each in self._found}
+
+    def _limit_proposal(self, proposal: Proposal) -> Proposal:
+        """Leave the pixels of existing objects out of a proposal."""
+        partition, selection = self.partition, proposal.selection
+        if not (self._limits and isinstance(partition, Partition) and isinstance(selection, Selection)):
+            return proposal
+        excluded = self._find_excluded(proposal.clicks)
+        if excluded is None or not (selection.mask & excluded).any():
+            return proposal
+        return replace(proposal, selection=partition.remove_pixels(selection, excluded))
 
     def _find_candidates(self, clicks: Clicks) -> tuple[Sequence[AnySelection], int]:
         """Find the candidates for clicks, from small to large, and the index of the one selected without a step."""
@@ -357,7 +408,7 @@ class Selector:
         if isinstance(partition, VolumePartition):
             return tuple(self._propose_bodies(partition, offer.starts))
         found = _remove_covered(self._propose_from_starts(partition, offer.starts), offer.rejected)
-        found += _remove_covered(offer.found, (*self.items, *offer.rejected))
+        found += _remove_covered(self._found, (*self.items, *offer.rejected))
         known = [frozenset(item.clicks) for item in self.items]
         return tuple(each for each in found if not any(frozenset(each.clicks) < clicks for clicks in known))
 
@@ -414,6 +465,14 @@ def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject])
         if not within or np.any(within, axis=0).mean() < 0.5:
             left.append(each)
     return left
+
+
+def _unite_masks(items: Iterable[SegmentedObject], shape: Extent) -> Mask:
+    """Unite the pixels of objects of an image of this shape."""
+    united = np.zeros(shape, bool)
+    for item in items:
+        item.fill_into(united)
+    return united
 
 
 def _bounding_slices(selection: Selection) -> tuple[slice, ...]:

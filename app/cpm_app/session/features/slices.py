@@ -15,7 +15,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.edits import ShapeHit, find_shape_at
 from cpm_app.model.volume.shape_sections import Section, cut_shape
 from cpm_app.model.volume.slices import SampledForce, Slice, Slices
-from cpm_app.model.volume.surface_section import cut_objects, cut_selection, cut_skeleton
+from cpm_app.model.volume.surface_section import cut_objects, cut_selection, cut_skeleton, select_near_clicks
 from cpm_app.model.volume.surface_section import cut_surface as lines_of
 from cpm_app.session.exchange.messages import Reconstruction, Snapshot
 from cpm_app.session.features.background import AsyncCache, IdentityCache
@@ -171,13 +171,14 @@ def _slice_document(
 
 
 def _slice_objects(shown: ShownObjects, here: Slice) -> ShownObjects:
-    """Cut the proposals and the preview by a slice."""
+    """Cut the proposals, the preview and the awaited clicks by a slice."""
     offered = tuple(replace(each, selection=cut_selection(each.selection, here)) for each in shown.proposals)
     preview = shown.preview
     if preview is not None:
         before = None if preview.before is None else cut_selection(preview.before, here)
         preview = replace(preview, after=cut_selection(preview.after, here), before=before)
-    return replace(shown, proposals=offered, preview=preview)
+    awaited = select_near_clicks(shown.awaited, here)
+    return replace(shown, proposals=offered, preview=preview, awaited=awaited)
 
 
 def _find_near_particles(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:

@@ -6,6 +6,7 @@ from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.comparison import ComparedResults
 from cpm_app.session.features.contour_selection import ContourSelection
 from cpm_app.session.features.followed_objects import FollowedObjects
+from cpm_app.session.features.image_project import ImageProject
 from cpm_app.session.features.object_brush import ObjectBrush
 from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
@@ -27,9 +28,10 @@ class Workspace:
         self.outline_editing = OutlineEditing(self.session, self.contour_selection)
         self.object_list = ObjectList(self.session, self.contour_selection)
         self.object_brush = ObjectBrush(self.session, self.object_list)
-        self.object_commands = ObjectCommands(self.session, self.contour_selection, self.object_list, self.object_brush)
+        self.object_commands = ObjectCommands(self.session, self.contour_selection, self.object_list)
         self.pages = StackPages(self.session, self.contour_selection)
         self.followed_objects = FollowedObjects(self.session, self.pages)
+        self.project = ImageProject(self.session, self.pages, self.followed_objects)
         self.object_selection = ObjectSelection(self.session, self.object_list, self.pages, self.followed_objects)
         self.skeleton_updater = SkeletonUpdater(self.session)
         self.navigation = TimelineNavigation(self.session)

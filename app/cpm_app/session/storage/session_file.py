@@ -27,13 +27,17 @@ _MAX_RUNS_WAIT = 10.0
 
 @record
 class SessionWritten(Report):
-    """A session file has been written: its content, the number of the opened image, and the edition of its runs."""
+    """A session file has been written: its content, the number of the opened image, and the edition of its runs.
+
+    If it was `automatic`, the user has not asked for it, and is not told.
+    """
 
     path: Path
     file: SessionFile
     document: Document
     opening: int
     edition: int
+    automatic: bool = False
 
 
 class DocumentFile(QObject):
@@ -112,8 +116,8 @@ class DocumentFile(QObject):
         written = to_session_file(self._session.document, self._view(), self._file)
         return replace(written, runs=self.runs.runs_json, truth=self._truth(), pages=self._pages())
 
-    def save(self, path: Path) -> BackgroundTask:
-        """Write the session file on a separate thread, and use this path from now on."""
+    def save(self, path: Path, automatic: bool = False) -> BackgroundTask:
+        """Write the session file on a separate thread, and use this path from now on; see `SessionWritten`."""
         file, document, opening = self.content, self._session.document, self._opening
         runs, before = self.runs.collect_runs(), self._saving
         self._session.messages.clear(SAVING_CATEGORY)
@@ -125,7 +129,7 @@ class DocumentFile(QObject):
                 found = runs.result(_MAX_RUNS_WAIT)
                 whole, edition = replace(file, runs=found.plain), found.edition
             save_session(whole, path)
-            self._written[task] = SessionWritten(path, whole, document, opening, edition)
+            self._written[task] = SessionWritten(path, whole, document, opening, edition, automatic)
             return task
 
         self._saving = self._session.tasks.start_task(
@@ -144,9 +148,9 @@ class DocumentFile(QObject):
         for task in tuple(self._written):
             self._announce_written(task)
 
-    def save_and_wait(self, path: Path) -> bool:
+    def save_and_wait(self, path: Path, automatic: bool = False) -> bool:
         """Write the session file and wait for it; return False, with an error message shown, if that fails."""
-        task = self.save(path)
+        task = self.save(path, automatic)
         task.wait()
         done = task in self._written
         self.finish_saving()
@@ -183,7 +187,8 @@ class DocumentFile(QObject):
         if self.is_current(written):
             self.path, self._file, self.saved_document = written.path, written.file, written.document
             self.runs.mark_saved(written.edition)
-        self._session.messages.show(tr("Saved: {path}", path=written.path), category=SAVING_CATEGORY)
+        if not written.automatic:
+            self._session.messages.show(tr("Saved: {path}", path=written.path), category=SAVING_CATEGORY)
         self._announce_state()
 
     def _announce_state(self) -> None:

@@ -25,7 +25,9 @@ from cpm_core.formats import (
     IMAGES_READABLE,
     SESSION_SUFFIX,
     Reading,
+    SessionFile,
     UnreadableError,
+    adapt_reading,
     find_session_image,
     find_sibling_dicom_files,
     load_session,
@@ -40,8 +42,13 @@ from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.pages import limit_scales
 from cpm_core.shapes import check_axes
 
-_EXPORTED_NAME = re.compile(rf"(.+)_(?:{'|'.join(EXPORT_TITLES)})\.")
-"""Names of files exported for an image, whose stem is the first group."""
+_MASK_ENDINGS = ("cp_masks", "cp_outlines", "gt", "labels?", "masks?", "seg", "segmentation")
+"""Ends of the names of masks that other programs write next to an image, as regular expressions."""
+
+_DERIVED_NAME = re.compile(
+    rf"(.+?)(?:_(?:{'|'.join(EXPORT_TITLES)})|[_-](?:{'|'.join(_MASK_ENDINGS)}))\.", re.IGNORECASE
+)
+"""Names of files made for an image, exports and masks, whose stem is the first group."""
 
 
 def sibling_images(image: Path) -> tuple[Path, ...]:
@@ -50,15 +57,23 @@ def sibling_images(image: Path) -> tuple[Path, ...]:
 
 
 def list_images(folder: Path) -> tuple[Path, ...]:
-    """List the images in a folder without the files exported for them; none if it cannot be read."""
+    """List the images in a folder, without exports and masks made for them; none if it cannot be read."""
     try:
         with os.scandir(folder) as entries:
             names = [entry.name for entry in entries if _is_image(entry)]
     except OSError:
         return ()
     stems = {stem for name in names for stem in (Path(name).stem, name.partition(".")[0])}
-    exported = {name for name in names if (parts := _EXPORTED_NAME.match(name)) and parts[1] in stems}
-    return tuple(folder / name for name in sorted({*names} - exported, key=natural_sort_key))
+    derived = {name for name in names if (parts := _DERIVED_NAME.match(name)) and parts[1] in stems}
+    return tuple(folder / name for name in sorted({*names} - derived, key=natural_sort_key))
+
+
+def is_image_folder(path: Path) -> bool:
+    """Return whether a path is a folder of images: one with images, and no single image of many files."""
+    if not path.is_dir() or is_zarr(path):
+        return False
+    images = list_images(path)
+    return bool(images) and len(find_sibling_dicom_files(images[0], MINIMUM_SIDE)) < MINIMUM_SIDE
 
 
 def find_adjacent_session(image: Path) -> Path | None:
@@ -111,7 +126,7 @@ class OpenRequest:
     A session has its own parameters. If `saved` has its content, `path` is only its location. The `notes` are shown
     once it is open. An image that `resumes` is opened with the session next to it, if there is one. A stack of planes
     is opened `as_volume`, or one plane as an image; None leaves that to the kind of file. `reading` says which part of
-    the file is read.
+    the file is read. An image without a session begins with the `settings`, if they are given; a volume does not.
     """
 
     path: Path
@@ -121,6 +136,7 @@ class OpenRequest:
     resumes: bool = False
     as_volume: bool | None = None
     reading: Reading = DEFAULT_READING
+    settings: SessionFile | None = None
 
 
 def prepare_image(core: CoreFunctions, request: OpenRequest, check_cancelled: Callback) -> ImageOpened:
@@ -141,7 +157,12 @@ def prepare_image(core: CoreFunctions, request: OpenRequest, check_cancelled: Ca
             raise ValueError(tr("{name} does not name an image.", name=path.name))
         path, warnings = find_session_image(named, path.absolute().parent, check_cancelled)
         notes = (*notes, *saved.file.notes, *warnings)
-    parts, reading = inspect_file(path, request.reading if named is None else named.reading)
+    settings, reading = request.settings if saved is None else None, request.reading
+    if named is not None:
+        reading = named.reading
+    elif settings is not None and settings.image is not None:
+        reading = _read_alike(path, settings.image.reading)
+    parts, reading = inspect_file(path, reading)
     check_cancelled()
     asked = request.as_volume if named is None or not named.shape else len(named.shape) == 3
     image, refused = _read_image(core, path, reading, asked, parts, check_cancelled)
@@ -149,6 +170,8 @@ def prepare_image(core: CoreFunctions, request: OpenRequest, check_cancelled: Ca
     check_cancelled()
     if saved is not None:
         _check_session_axes(saved, image)
+    elif settings is not None and image.ndim == 2:
+        saved, parameters = SavedSession(None, settings), settings.parameters
     elif image.ndim == 3:
         parameters = PRESETS["volume"]
     scales, parameters = parameters.scales, limit_scales(parameters, image.shape)
@@ -161,6 +184,14 @@ def prepare_image(core: CoreFunctions, request: OpenRequest, check_cancelled: Ca
         image, method, display, path, parameters, (*image.notes, *notes), image.file_sha256, saved, scales,
         sibling_images(path), beside, parts, reading,
     )  # fmt: skip
+
+
+def _read_alike(path: Path, reading: Reading) -> Reading:
+    """Return how a file is read as another one is; by default if its content differs too much."""
+    try:
+        return replace(DEFAULT_READING, **adapt_reading(path, reading))
+    except ValueError:
+        return DEFAULT_READING
 
 
 def _check_session_axes(saved: SavedSession, image: Image) -> None:

@@ -248,7 +248,8 @@ class CanvasArea(QWidget):
         )
         commands = self._workspace.object_commands
         given, self._has_focus_from_field = self._has_focus_from_field, False
-        accepts = key in ENTER_KEYS and not keyed and (commands.can_accept or objects.selected_keys)
+        can_accept = commands.can_accept or self._selection.selecting
+        accepts = key in ENTER_KEYS and not keyed and (can_accept or objects.selected_keys)
         if given and accepts:
             self._session.messages.show(tr("The value is set. Enter accepts the proposal."))
             return True
@@ -256,8 +257,8 @@ class CanvasArea(QWidget):
         if tool.has_draft and key in _DRAFT_KEYS and ends:
             (tool.remove_last_part if key == Qt.Key.Key_Backspace else tool.finish)()
         elif accepts:
-            if commands.can_accept:  # objects are accepted already
-                commands.accept_pending()
+            if can_accept:  # objects are accepted already
+                self._selection.do_in_order(commands.accept_pending)
         elif key in ENTER_KEYS:
             self.canvas.dispatcher.set_modifiers(held)
             (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()

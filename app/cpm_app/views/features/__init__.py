@@ -10,6 +10,7 @@ from cpm_app.views.features.files import FolderFeature, OpenSaveFeature, Recover
 from cpm_app.views.features.help import HelpFeature, PreferencesFeature
 from cpm_app.views.features.objects import ObjectsFeature
 from cpm_app.views.features.offers import FilePartsFeature, InitialSettingsFeature, PixelSizeFeature
+from cpm_app.views.features.project import ProjectFeature
 from cpm_app.views.features.run import (
     RunControlFeature,
     TasksFeature,
@@ -23,6 +24,7 @@ WINDOW_FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
     StartFeature,
     FolderFeature,
+    ProjectFeature,
     ExportFeature,
     BatchFeature,
     RecoveryFeature,

@@ -95,15 +95,19 @@ class UndoSelectionFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         window = self.window
         session, area = window.session, window.canvas_area
+        undo, redo = (
+            partial(window.workspace.object_selection.do_in_order, change, needs_answer=False)
+            for change in (session.undo, session.redo)
+        )
 
         def can_resize(situation: Situation) -> bool:
             return situation.selected is not None or area.canvas.dispatcher.tool.is_resizable
 
         self.actions = (
-            ActionSpec("undo", "Edit", "Undo", "Undo the last change.", session.undo, "Ctrl+Z", short=tr("Undo"),
+            ActionSpec("undo", "Edit", "Undo", "Undo the last change.", undo, "Ctrl+Z", short=tr("Undo"),
                        icon="undo", when=lambda now: bool(now.undo_name),
                        text_for=lambda now: resolve_texts(now).undo_text),
-            ActionSpec("redo", "Edit", "Redo", "Redo the last undone change.", session.redo, "Ctrl+Shift+Z Ctrl+Y",
+            ActionSpec("redo", "Edit", "Redo", "Redo the last undone change.", redo, "Ctrl+Shift+Z Ctrl+Y",
                        short=tr("Redo"), icon="redo", when=lambda now: bool(now.redo_name),
                        text_for=lambda situation: resolve_texts(situation).redo_text),
             ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next_shape,

@@ -20,6 +20,7 @@ from cpm_app.session.session_messages import JOURNAL_CATEGORY, OPENING_CATEGORY,
 from cpm_app.session.storage.recovery import Journal, Leftover, find_leftovers, journals_folder
 from cpm_app.session.storage.session_file import SessionWritten
 from cpm_app.session.storage.thumbnails import THUMBNAIL_SIZE, ThumbnailStore, crop_middle, thumbnails_folder
+from cpm_app.session.tasks.opening import is_image_folder
 from cpm_app.views.features.exchange import ImportFeature
 from cpm_app.views.files.recent_files import RecentFiles
 from cpm_app.views.files.start_screen import StartEntry, StartScreen
@@ -54,6 +55,7 @@ class OpenSaveFeature(Feature):
         window = self.window
         self.document_file = window.document_file
         self.recent = RecentFiles(window.preferences, window.open_image)
+        self._project = window.workspace.project
         self._confirmed_work: tuple[Document, int] | None = None
         """Document and generation that the user has agreed to close."""
         session = self.session
@@ -65,11 +67,16 @@ class OpenSaveFeature(Feature):
         self.document_file.restored.connect(self.canvas.use_view_state)  # in the slice that has just been restored
         session.document_changed.connect(lambda _: self._update_title())
         session.store.add_listener(ImageOpened, self._on_image_opened)
-        session.store.add_listener(SessionWritten, lambda written: self._remember_path(written.path))
+        session.store.add_listener(
+            SessionWritten, lambda written: None if written.automatic else self._remember_path(written.path)
+        )
         self._update_title()
         self.actions = (
             ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_document, "Ctrl+O",
                        short=tr("Open"), icon="open"),
+            ActionSpec("open_folder", "File", "Open fol&der…",
+                       "Open the images of a folder one after another, each saved as you go on.",
+                       self.ask_for_folder, "Ctrl+Alt+O"),
             Submenu("recent", "File", "Open &recent", self.recent.fill_menu),
             ActionSpec("save", "File", "&Save session", "Save everything: drawing, runs, contours, objects and view.",
                        self.save, "Ctrl+S", short=tr("Save"), icon="save", gap=True, when=has_image),
@@ -80,7 +87,7 @@ class OpenSaveFeature(Feature):
         )  # fmt: skip
 
     def open_files(self, paths: Sequence[Path], resumes: bool = False) -> None:
-        """Open files by their kind: images, sessions, contours and points.
+        """Open files by their kind: images, sessions, contours and points, or a folder of images as a project.
 
         Contours and points are used in the image that is open.
 
@@ -96,13 +103,22 @@ class OpenSaveFeature(Feature):
             else:
                 documents.append(path)
         if documents and self._confirm_opening():
-            as_volume, reading = self.recent.find_part(documents[0])
-            self.session.open_file(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
+            self._open_document(documents[0], resumes)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
                 self.session.messages.show(
                     message.format(count=len(documents), name=documents[0].name), category=OPENING_CATEGORY
                 )
+
+    def _open_document(self, path: Path, resumes: bool) -> None:
+        """Open an image, a session, or a folder of images."""
+        if is_image_folder(path):
+            self._project.open_folder(path)
+        elif self._project.contains(path):
+            self._project.open_image(path)
+        else:
+            as_volume, reading = self.recent.find_part(path)
+            self.session.open_file(path, resumes=resumes, as_volume=as_volume, reading=reading)
 
     def open_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
         """Open a part of a file as a volume or as an image."""
@@ -129,12 +145,21 @@ class OpenSaveFeature(Feature):
         if chosen is not None:
             self.open_files([chosen])
 
+    def ask_for_folder(self) -> None:
+        """Ask for a folder of images and open it as a project."""
+        chosen = self.window.files.ask_for_folder(tr("Folder of the images"))
+        if chosen:
+            self.open_files([Path(chosen)])
+
     def save(self) -> None:
-        """Save to the current file, or ask for one."""
-        if self.document_file.path is None:
+        """Save to the current file, to that of the image in its project, or ask for one."""
+        path = self.document_file.path
+        if path is None and self._project.session_path is not None and self._project.make_folder():
+            path = self._project.session_path
+        if path is None:
             self.save_as()
         else:
-            self.document_file.save(self.document_file.path)
+            self.document_file.save(path)
 
     def save_as(self) -> None:
         """Ask for a file and save to it."""
@@ -143,9 +168,12 @@ class OpenSaveFeature(Feature):
             self.document_file.save(path)
 
     def close(self) -> bool:
-        """Return whether the document may be closed; ask about unsaved work, and save it if the user agrees."""
+        """Return whether the document may be closed; ask about unsaved work, and save it if the user agrees.
+
+        Work on an image of a project is saved without a question, if it can be.
+        """
         self.document_file.finish_saving()
-        if not self.document_file.unsaved:
+        if self._project.save_and_wait() or not self.document_file.unsaved:
             return True
         answer = dialogs.ask_about_unsaved(self.window, self.document_file.name, self.document_file.unsaved_parts)
         if answer != "save":
@@ -179,6 +207,8 @@ class OpenSaveFeature(Feature):
         turned = opened.saved is not None and opened.saved.is_other_page
         if turned or not self.document_file.unsaved or self._confirmed_work == self._work_at_risk:
             return True
+        if self._project.save_and_wait():
+            return True
 
         def confirm_again() -> None:
             if self.close():
@@ -201,7 +231,9 @@ class OpenSaveFeature(Feature):
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
         if opened.saved is not None and opened.saved.file.truth is not None:
             self.window.workspace.comparison.restore_truth(opened.saved.file.truth, path.absolute().parent)
-        if find_sample_at(opened.path) is None or opened.saved:
+        if self._project.folder is not None:
+            self._remember_path(self._project.folder)
+        elif find_sample_at(opened.path) is None or opened.saved:
             self._remember_path(path)
             self.recent.remember_part(opened)
 
@@ -292,8 +324,8 @@ class StartFeature(Feature):
 
     @property
     def _recent_paths(self) -> list[Path]:
-        """Recent files that still exist."""
-        return [path for path in self._recent.paths if path.is_file()]
+        """Recent files and folders that still exist."""
+        return [path for path in self._recent.paths if path.exists()]
 
     def _on_not_opened(self, refused: OpeningFailed) -> None:
         """Show the start screen unless there is work: an untouched sample would be mistaken for the file."""
@@ -306,8 +338,8 @@ class StartFeature(Feature):
         image = self.session.document.image
         if image is None:
             return
-        picture = self.canvas.grab().toImage()
-        for path in (Path(image.path), self.window.document_file.path):
+        picture, folder = self.canvas.grab().toImage(), self.window.workspace.project.folder
+        for path in (Path(image.path), self.window.document_file.path) if folder is None else (folder,):
             if path is not None and find_sample_at(path) is None:
                 self.pictures.save_thumbnail(path, picture)
 
@@ -333,7 +365,7 @@ class FolderBar(QWidget):
     def show_folder_position(self, index: int, count: int, folder: str) -> None:
         """Show the position of an image in its folder; the first one has index 0."""
         self._place.setText(tr("File {number} of {count}", number=index + 1, count=count))
-        self._place.setToolTip(tr("Images and volumes in {folder}, by their names.", folder=folder))
+        self._place.setToolTip(tr("Images in {folder}", folder=folder))
         self.setVisible(count > 1)
 
 
@@ -373,16 +405,21 @@ class FolderFeature(Feature):
         file, image = self.window.document_file, self.session.document.image
         if image is None or not file.unsaved or not self.window.preferences.read_preference(SAVE_IN_FOLDER):
             return True
+        if self.window.workspace.project.current is not None:
+            return True  # saved there
         default_path = Path(image.path).with_suffix(SESSION_SUFFIX)
         if file.path is None and default_path.exists():
             return True  # the usual question follows
         return file.save_and_wait(file.path or default_path)
 
     def _on_image_opened(self, opened: ImageOpened) -> None:
-        known = opened.path in opened.folder_images and find_sample_at(opened.path) is None
-        self._images = opened.folder_images if known else ()
-        self._index = self._next_index = opened.folder_images.index(opened.path) if known else 0
-        self.bar.show_folder_position(self._index, len(self._images), opened.path.parent.name)
+        project, path, images = self.window.workspace.project, opened.path, opened.folder_images
+        if project.current is not None:
+            path, images = project.current, project.images
+        known = path in images and find_sample_at(path) is None
+        self._images = images if known else ()
+        self._index = self._next_index = images.index(path) if known else 0
+        self.bar.show_folder_position(self._index, len(self._images), path.parent.name)
         self.window.refresh_actions()
 
     def _on_not_opened(self, _: OpeningFailed) -> None:

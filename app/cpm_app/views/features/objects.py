@@ -78,12 +78,12 @@ class ObjectsFeature(Feature):
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals, or the selected contours, as objects; Enter does the same.",
-                       commands.accept_pending, shown_key="Enter",
+                       partial(selection.do_in_order, commands.accept_pending), shown_key="Enter",
                        when=lambda _: bool(selection.proposals) or commands.can_accept),
             ActionSpec("reject", "Objects", "&Reject",
                        "Dismiss proposals and remove objects; none is proposed again.",
-                       commands.reject_selected, "X",
-                       when=lambda _: bool(objects.selected_rows or selection.proposals)),
+                       partial(selection.do_in_order, commands.reject_selected), "X",
+                       when=lambda _: bool(objects.selected_rows or selection.proposals or selection.selecting)),
             ActionSpec("name_object", "Objects", "&Name…", "Name the selected object.",
                        self.ask_for_name, "F2", gap=True, when=has_rows),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
@@ -100,10 +100,6 @@ class ObjectsFeature(Feature):
                        "Paint balls through all slices with the brush, or disks in one slice.",
                        brush.toggle_space, "Shift+J", short=tr("In space"),
                        visible_when=has_volume, checked_when=lambda _: brush.paints_in_space),
-            ActionSpec("paint_over", "Objects", "Paint &over others",
-                       "Take what the brush goes over from other objects that are not frozen, or leave it to them.",
-                       brush.toggle_over_others, short=tr("Over others"),
-                       visible_when=has_volume, checked_when=lambda _: brush.paints_over_others),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_similar(objects.selected_objects[0].number), "Ctrl+L",
                        when=has_one_with_area),
@@ -138,6 +134,10 @@ class ObjectsFeature(Feature):
             ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
                        "Select one row of the table after the other.",
                        self.select_next, "Shift+N", when=has_image),
+            ActionSpec("objects_overlap", "Objects", "Objects may o&verlap",
+                       "Let clicks, proposals and the brush run over accepted objects that are not frozen; in a "
+                       "volume, the brush takes voxels from them.",
+                       commands.toggle_overlap, gap=True, checked_when=lambda _: objects.objects.may_overlap),
             ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
                        "Find center lines in the image again, not only in objects or closed contours.",
                        lambda: self._run_skeleton(tr("skeleton of the image"), SkeletonTarget()),
@@ -163,7 +163,7 @@ class ObjectsFeature(Feature):
             return False
         key, selecting = event.key(), tool.name in _SELECTION_TOOLS
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._object_list.objects.classes):
-            self._commands.classify_selected(key - Qt.Key.Key_0)
+            self._selection.do_in_order(partial(self._commands.classify_selected, key - Qt.Key.Key_0))
         elif selecting and key in DELETE_KEYS and self._object_list.selected_rows and not tool.has_draft:
             self._commands.delete_selected()
         else:

@@ -78,7 +78,7 @@ class RecentFiles:
         for number, path in enumerate(paths, start=1):
             name = path.name.replace("&", "&&")
             key = f"&{number} " if number < 10 else f"{number} "
-            exists = path.is_file()
+            exists = path.exists()
             tip = str(path) if exists else tr("{path} no longer exists.", path=path)
             add_menu_action(menu, f"{key}{name}", partial(self._open_file, path), tip).setEnabled(exists)
         menu.addSeparator()

@@ -43,7 +43,7 @@ class ObjectLayer(Layer):
     """Shows objects with area and outline in the color of their class; stretches that follow no contour are dashed.
 
     Proposals are dashed, in one color; doubtful ones are sparse and pale. The area that a click would remove is
-    hatched.
+    hatched. A dashed ring is around a click until its answer is shown.
     """
 
     name = "objects"
@@ -71,6 +71,7 @@ class ObjectLayer(Layer):
         self._doubtful = Curves(theme.PROPOSAL_COLOR, 4.5, width=1.4, halo=2.8, dashed=_DOUBTFUL_DASHES)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
         self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2))
+        self.awaited = Markers(6.85, size=22.0, symbol="o", brush=None, pen=theme.PROPOSAL_COLOR)
         self._paths: dict[int, tuple[Array, ...]] = {}
         """Paths of the shown objects by object number."""
         self._names, self._probabilities = TextLabels(5.8), TextLabels(5.85, above=True)
@@ -78,6 +79,7 @@ class ObjectLayer(Layer):
         self.add_items(
             self._proposal_outlines, self._doubtful, self.added, self.removed, self._clicks, self._probabilities
         )
+        self.add_items(self.awaited)
         self.add_items(self._names, switch="names")
 
     def legend_entries(self) -> Sequence[LegendEntry]:
@@ -120,6 +122,8 @@ class ObjectLayer(Layer):
             self._show_preview()
         if of.clicks != last_of.clicks:
             self._show_clicks()
+        if shown.awaited != last.awaited:
+            self._show_awaited_clicks()
 
     def _show_objects(self) -> None:
         objects = self.scene.document.objects
@@ -198,6 +202,11 @@ class ObjectLayer(Layer):
             symbol=["o" if inside else "x" for _, inside in marks],
             brush=[brushes[inside] for _, inside in marks],
         )
+
+    def _show_awaited_clicks(self) -> None:
+        """Mark the middle of each click that is being worked on by a dashed ring."""
+        pen = pg.mkPen(theme.PROPOSAL_COLOR, width=2.5, style=Qt.PenStyle.DashLine)
+        self.awaited.show_markers([each.places[len(each.places) // 2] for each in self.scene.objects.awaited], pen=pen)
 
 
 def _selection_curves(selection: Selection) -> list[Array]:

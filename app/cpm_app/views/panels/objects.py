@@ -287,7 +287,7 @@ _ROW_FILTERS: tuple[tuple[str, tuple[RowKind, ...]], ...] = (
 """Title and kinds of rows of each restriction of the table; no kinds stand for all."""
 
 BUTTON_ACTIONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike", "freeze_object", "fill_between",
-           "paint_in_space", "paint_over")  # fmt: skip
+           "paint_in_space")  # fmt: skip
 """Actions that have a button wherever the action is available."""
 
 

@@ -70,6 +70,8 @@ class MendTool(RingTool):
         """The place of an outline that is under the pointer, or in hand."""
         self._painted: SegmentedObject | None = None
         """The object that the brush would paint; None for a new one."""
+        self._obstacle = ""
+        """Why the brush would do nothing here, as a sentence."""
         self._pressed: Position | None = None
         self._dragged = False
         self._reach = 1.0
@@ -98,6 +100,8 @@ class MendTool(RingTool):
             words = _CONTOUR_ADVICE
         elif self._pointer is None:
             words = self.tip
+        elif self._obstacle:
+            return self._obstacle
         elif away:
             words = _ERASE_ADVICE if item is not None else _ERASE_ANYWHERE_ADVICE
         else:
@@ -160,13 +164,15 @@ class MendTool(RingTool):
         self._drawing.show_ring()
 
     def cursor_at(self, at: Position, reach: float) -> Cursor | QCursor:
-        """Return a hand over an outline, a cross elsewhere."""
+        """Return a hand over an outline, elsewhere a cross, or a bar where the brush would do nothing."""
         if self.volume is None:
             self._editing.request_edges()
         if self._reach != max(reach, 1.0) and self._pointer is not None:
             self._find_target(at, reach)
             self._show_preview()
-        return Cursor.CrossCursor if self._held is None else Cursor.OpenHandCursor
+        if self._held is not None:
+            return Cursor.OpenHandCursor
+        return Cursor.ForbiddenCursor if self._obstacle else Cursor.CrossCursor
 
     @property
     def _is_removing(self) -> bool:
@@ -181,8 +187,11 @@ class MendTool(RingTool):
         """Find the outline or object that a press at a place would act on."""
         self._reach = max(reach, 1.0)
         self._held = None if self.volume is not None else self._editing.find_curve(at, self._reach)
-        paints = self._held is None and not self._paints_new_object
-        self._painted = self._brush.find_target((at,), self.radius) if paints else None
+        self._painted, self._obstacle = None, ""
+        if self._held is None:
+            adds, makes_new = not self._is_removing, self._paints_new_object
+            self._painted = None if makes_new else self._brush.find_target((at,), self.radius, adds)
+            self._obstacle = self._brush.find_obstacle(at, self._painted, adds, makes_new)
 
     def _pull_curve(self, held: HeldCurve) -> RedrawnCurve:
         """Return the curve that a release at the pointer makes of the held one."""

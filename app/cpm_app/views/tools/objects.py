@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from PySide6.QtCore import Qt
 
@@ -11,6 +12,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import OBJECT_GROUP, REMOVE_MODIFIER, Cursor, Tool
 from cpm_core.numerics import Place
+from cpm_core.objects.segmented import Click
 
 _STROKE_SPACING = 3.0
 """Minimum distance between two places of a stroke [px]."""
@@ -40,6 +42,7 @@ class ObjectTool(Tool):
         """Initialize the state kept between events."""
         self._selection, self._list = self._workspace.object_selection, self._workspace.object_list
         self._path: list[Place] = []
+        self._adds, self._wants_another = True, False
 
     @property
     def has_draft(self) -> bool:
@@ -78,58 +81,63 @@ class ObjectTool(Tool):
         self._selection.set_in_use(in_use)
 
     def on_press(self, at: Place, reach: float) -> None:
-        """Begin a click or a stroke, or select the object under the pointer; if it is selected, begin to correct it."""
-        self.used = True
-        existing = self._find_existing(at)
+        """Begin a click or a stroke."""
+        self.used, self._path = True, [at]
+        self._adds, self._wants_another = self._is_positive, self._is_for_another
+
+    def on_drag(self, at: Place) -> None:
+        """Continue a stroke."""
+        if self._path and math.dist(self._path[-1], at) >= _STROKE_SPACING:
+            self._path.append(at)
+            color = theme.RESTING_COLOR if self._adds else theme.BARRIER_COLOR
+            self._drawing.show_draft((), self._path, color)
+
+    def on_release(self) -> None:
+        """Do what the click or stroke means, after all that was done before."""
+        path, another = tuple(self._path), self._wants_another
+        self._end_stroke()
+        if path:
+            click = Click(path[:: math.ceil(len(path) / _MAX_STROKE_PLACES)], self._adds)
+            needs_answer = not self._selection.selecting
+            self._selection.do_in_order(partial(self._do_click, click, another), click, needs_answer=needs_answer)
+
+    def _do_click(self, click: Click, another: bool) -> None:
+        """Select the object under a click, correct it if it is selected, or add the click to the object in progress."""
+        existing = 0 if another or not click.inside else self._find_existing(click.places[0])
         offered = [each.key for each in self._selection.proposals]
         if existing in self._session.scene.objects.selected or (existing and offered == [existing]):
             self._selection.correct_object(existing)
         elif existing:
             self._list.select_objects((existing,))
         else:
-            self._path = [at]
-
-    def on_drag(self, at: Place) -> None:
-        """Continue a stroke."""
-        if self._path and math.dist(self._path[-1], at) >= _STROKE_SPACING:
-            self._path.append(at)
-            color = theme.RESTING_COLOR if self._is_positive else theme.BARRIER_COLOR
-            self._drawing.show_draft((), self._path, color)
-
-    def on_release(self) -> None:
-        """Add the places of the click or stroke as positive or negative points."""
-        path = tuple(self._path)
-        self._end_stroke()
-        if not path:
-            return
-        if not self._selection.selecting:
-            self._list.select_objects(())
-        self._selection.add_click(path[:: math.ceil(len(path) / _MAX_STROKE_PLACES)], self._is_positive)
+            if not self._selection.selecting:
+                self._list.select_objects(())
+            self._selection.add_click(click)
 
     def on_hover(self, at: Place) -> None:
         """Preview what a click would select or change."""
-        existing = self._find_existing(at)
+        existing = self._find_selectable(at)
         self._list.set_hovered_item(("object" if existing > 0 else "proposal", existing) if existing else None)
         self._selection.preview_click(None if existing else at, self._is_positive)
 
     def resize_by(self, by: float) -> None:
         """Propose the next larger candidate, or the next smaller one."""
-        self._selection.step_candidate(1 if by > 0 else -1)
+        self._selection.do_in_order(partial(self._selection.step_candidate, 1 if by > 0 else -1))
 
     def finish(self) -> None:
         """Accept the object; an Enter right after the click waits for the answer."""
-        self._selection.call_when_answered(self._workspace.object_commands.accept_pending)
+        self._selection.do_in_order(self._workspace.object_commands.accept_pending)
 
     def remove_last_part(self) -> None:
         """Remove the last click."""
-        self._selection.undo_click()
+        self._selection.do_in_order(self._selection.undo_click, needs_answer=False)
 
     def cancel(self) -> None:
         """Drop the stroke, or the selection in progress."""
         if self._path:
             self._end_stroke()
         else:
-            self._selection.discard_clicks()
+            self._selection.do_in_order(self._selection.discard_clicks, needs_answer=False)
 
     def hide_marks(self) -> None:
         """Hide the preview of a click."""
@@ -138,17 +146,25 @@ class ObjectTool(Tool):
 
     def cursor_at(self, at: Place, reach: float) -> Cursor:
         """Return a hand over an object that a click would select, a cross elsewhere."""
-        return Cursor.PointingHandCursor if self._find_existing(at) else Cursor.CrossCursor
+        return Cursor.PointingHandCursor if self._find_selectable(at) else Cursor.CrossCursor
 
     @property
     def _is_positive(self) -> bool:
         """Whether a click adds a positive point; with Shift it adds a negative one."""
         return not self.modifiers & REMOVE_MODIFIER
 
+    @property
+    def _is_for_another(self) -> bool:
+        """Whether a click in an object is for another one there; with Ctrl it is."""
+        return bool(self.modifiers & Qt.KeyboardModifier.ControlModifier)
+
+    def _find_selectable(self, at: Place) -> int:
+        """Find the number of the object, or key of the proposal, that a click now would select; 0 if none."""
+        return 0 if self._is_for_another or not self._is_positive else self._find_existing(at)
+
     def _find_existing(self, at: Place) -> int:
-        """Find the number of the object, or key of the proposal, that a click would select; 0 if none."""
-        another = self._selection.selecting or self.modifiers & Qt.KeyboardModifier.ControlModifier
-        return 0 if another or not self._is_positive else self._selection.object_number_at(at)
+        """Find the number of the object, or key of the proposal, at a place; 0 while an object is being selected."""
+        return 0 if self._selection.selecting else self._selection.object_number_at(at)
 
     def _end_stroke(self) -> None:
         self._path = []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from PySide6.QtGui import QGuiApplication
 
@@ -14,6 +16,7 @@ from cpm_app.views.tools.tool import REMOVE_MODIFIER
 from cpm_core import VolumePartition
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Sides
+from cpm_core.objects.segmented import Click
 from cpm_core.shapes import Points, Shape, Sphere
 
 _NEW_SPHERE_FRACTION = 0.03
@@ -56,4 +59,5 @@ def select_body_at(selection: ObjectSelection, camera: Camera, spacing: Sides, a
     )
     place = places[1 + int(np.argmax(within[1:]))] if np.any(within[1:]) else places[0]
     inside = not QGuiApplication.keyboardModifiers() & REMOVE_MODIFIER
-    selection.add_click((tuple(place.tolist()),), inside)
+    click = Click((tuple(place.tolist()),), inside)
+    selection.do_in_order(partial(selection.add_click, click), click, needs_answer=not selection.selecting)

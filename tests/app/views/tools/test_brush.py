@@ -14,7 +14,7 @@ from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
 pytestmark = pytest.mark.shared_window
 
-KEY, SHIFT = Qt.Key, Qt.KeyboardModifier.ShiftModifier
+KEY, SHIFT, CONTROL = Qt.Key, Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier
 ROW, COL = np.indices((64, 64))
 PIXELS = np.stack([ROW, COL], axis=-1).reshape(-1, 2).astype(float)
 
@@ -31,9 +31,9 @@ def items(window) -> tuple[SegmentedObject, ...]:
     return window.session.document.objects.items
 
 
-def stroke(hand, *places: tuple[float, float], away: bool = False) -> None:
-    """A stroke through places; `away` with Shift held."""
-    modifier = SHIFT if away else Qt.KeyboardModifier.NoModifier
+def stroke(hand, *places: tuple[float, float], away: bool = False, anew: bool = False) -> None:
+    """A stroke through places; `away` with Shift held, `anew` with Ctrl."""
+    modifier = SHIFT if away else CONTROL if anew else Qt.KeyboardModifier.NoModifier
     viewport, left = hand.canvas.viewport(), Qt.MouseButton.LeftButton
     hand.qtbot.mousePress(viewport, left, modifier, hand.at(*places[0]))
     for place in places[1:]:
@@ -78,6 +78,58 @@ def test_a_stroke_from_an_object_adds_to_it_and_leaves_the_rest_of_its_boundary_
     far = {corner for corner in before.boundary[0] if corner[1] < 19}
     assert len(far) > 10
     assert far <= set(after.boundary[0])
+
+
+def test_the_selected_object_is_painted_wherever_a_stroke_begins_and_without_one_a_new_object_is(
+    window, hand, brush
+) -> None:
+    stroke(hand, (12, 12), (12, 20))
+    stroke(hand, (50, 40), (50, 50))
+    (item,) = items(window)
+    assert len(item.outer_curves) == 2
+    assert item.encloses(np.array([(12.0, 16.0), (50.0, 45.0)])).all()
+    hand.key(KEY.Key_Escape)
+    stroke(hand, (30, 12), (30, 20))
+    assert [each.number for each in items(window)] == [1, 2]
+    assert items(window)[0] == item
+    window.workspace.object_list.select_objects((1,))
+    stroke(hand, (30, 60), away=True)
+    stroke(hand, (30, 12), away=True)
+    assert items(window)[0] == item
+    assert items(window)[1].encloses(np.array([(30.0, 12.0)])).all(), "only the selected one is erased from"
+
+
+def test_a_stroke_does_not_run_over_other_objects_unless_they_may_overlap(window, hand, brush) -> None:
+    stroke(hand, (30, 20), (30, 30))
+    stroke(hand, (20, 30), (44, 30), anew=True)
+    first, second = (item.mask((64, 64)) for item in items(window))
+    assert not (first & second).any()
+    assert second[20, 30] and second[44, 30]
+    hand.key(KEY.Key_Escape)
+    steps = window.session.history.undo_name
+    hand.move(30, 22)
+    assert hand.canvas.viewport().cursor().shape() == Qt.CursorShape.ForbiddenCursor
+    stroke(hand, (30, 22), (30, 24))
+    assert (len(items(window)), window.session.history.undo_name) == (2, steps)
+    assert "belongs to object 1" in window.canvas_area.messages.text
+    window.actions_by_name["objects_overlap"].trigger()
+    stroke(hand, (30, 22), (30, 24))
+    assert (items(window)[2].mask((64, 64)) & first).any()
+    window.workspace.object_list.select_objects((1,))
+    window.workspace.object_commands.toggle_state("frozen")
+    hand.key(KEY.Key_Escape)
+    stroke(hand, (30, 22), (30, 24))
+    assert len(items(window)) == 3
+    assert "frozen" in window.canvas_area.messages.text
+
+
+def test_a_new_object_may_be_painted_inside_another_one(window, hand, brush) -> None:
+    stroke(hand, (20, 20), (20, 44), (44, 44), (44, 20), (32, 32))
+    for _ in range(6):
+        hand.key(KEY.Key_BracketLeft)
+    stroke(hand, (20, 30), (20, 32), anew=True)
+    outer, inner = (item.mask((64, 64)) for item in items(window))
+    assert inner.any() and (inner & outer).sum() == inner.sum()
 
 
 def test_with_alt_the_brush_takes_away_makes_holes_and_parts_an_object_in_two(window, hand, brush) -> None:

@@ -63,14 +63,22 @@ def test_words_and_pointer_say_before_a_press_what_it_will_do(mended, hand) -> N
     for place, said, alone, pointer in (
         (at(0.0, DRAWN), "pull the boundary of bone", "bend the boundary of bone", Qt.CursorShape.OpenHandCursor),
         ((3, 9), "becomes an object", "becomes an object", Qt.CursorShape.OpenHandCursor),
-        ((32, 32), "add to bone", "erase from bone", Qt.CursorShape.CrossCursor),
+        ((32, 32), "belongs to bone: select it", "erase from bone", Qt.CursorShape.ForbiddenCursor),
         ((60, 3), "paint a new object", "over an object", Qt.CursorShape.CrossCursor),
+        ("select", "", "", None),
+        ((32, 32), "add to bone", "erase from bone", Qt.CursorShape.CrossCursor),
+        ((60, 3), "add to bone", "erase from bone", Qt.CursorShape.CrossCursor),
     ):
+        if place == "select":
+            mended.workspace.object_list.select_objects((1,))
+            continue
         hand.move(*place)
         assert said in words.text()
         assert shape(hand) == pointer
         hand.qtbot.keyPress(hand.canvas, KEY.Key_Shift)
         assert alone in words.text(), "without a move of the pointer"
+        if pointer == Qt.CursorShape.ForbiddenCursor:
+            assert shape(hand) == Qt.CursorShape.CrossCursor
         hand.qtbot.keyRelease(hand.canvas, KEY.Key_Shift)
         assert said in words.text()
     center, reach = ring(hand).mean(axis=1), np.ptp(ring(hand), axis=1) / 2
@@ -113,6 +121,7 @@ def test_a_frozen_object_is_not_pulled_and_a_click_chooses(mended, hand) -> None
 
 def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
     before = bone(mended).area
+    mended.workspace.object_list.select_objects((1,))
     hand.drag((32, 32), (32, 50), (32, 58))
     assert bone(mended).area > before + 5
     QCursor.setPos(mended.mapToGlobal(QPoint(2, 2)))

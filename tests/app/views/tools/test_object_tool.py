@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import threading
+import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from cpm_app.model.document.objects import delete_objects
+from cpm_app.model.document.objects import accept_objects, delete_objects
+from cpm_app.model.text.assets import find_asset_folder
 from cpm_app.session.features import object_measures, object_selection, selector
 from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.features.selector import find_all_objects
@@ -17,7 +19,7 @@ from cpm_app.views.widgets.fields import DecimalField
 from PySide6.QtCore import Qt
 
 from cpm_core import Partition, partition
-from cpm_core.objects.segmented import Click
+from cpm_core.objects.segmented import Click, SegmentedObject
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
 pytestmark = pytest.mark.shared_window
@@ -141,6 +143,124 @@ def test_enter_right_after_a_click_accepts_what_it_means(window, hand, objects) 
     assert not objects.selecting
 
 
+Act = tuple[float, float] | tuple[float, float, Qt.KeyboardModifier] | KEY
+"""A click, perhaps with keys held, or a key."""
+
+HAND: list[Act] = [
+    (366, 190), KEY.Key_Return, (362, 212), KEY.Key_Return, (360, 170), (352, 180, SHIFT), KEY.Key_Return,
+    (180, 188), KEY.Key_BracketLeft, KEY.Key_BracketLeft, KEY.Key_Return, (366, 190), KEY.Key_2, (54, 183), KEY.Key_X,
+    (75, 120), KEY.Key_Return, (130, 41), KEY.Key_Escape, (120, 313), (112, 316), KEY.Key_Return, (75, 250), "undo",
+    "undo", KEY.Key_Return, (195, 231), KEY.Key_BracketLeft, KEY.Key_BracketRight, KEY.Key_Backspace, (75, 250),
+    KEY.Key_3,
+]  # fmt: skip
+NUCLEI: list[Act] = [
+    (35, 65), KEY.Key_Return, (70, 222), KEY.Key_Return, (76, 280), KEY.Key_X, (96, 107), KEY.Key_Return,
+    (70, 222), KEY.Key_4, (225, 217), (228, 217), KEY.Key_Return, "undo", KEY.Key_Return, (165, 173), "undo",
+    (242, 105), KEY.Key_Return, (35, 65, CONTROL), KEY.Key_BracketRight, KEY.Key_Return,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("sample", "acts"), [("hand.png", HAND), ("nuclei.png", NUCLEI)])
+def test_quick_clicks_and_keys_give_the_objects_that_slow_ones_give(
+    window, hand, objects, monkeypatch, sample, acts
+) -> None:
+    monkeypatch.setattr(selector, "MAX_OFFERED_PIXELS", 0)  # without a run, whose end would change the answers
+    window.session.open_file(find_asset_folder("samples") / sample)
+    hand.wait(lambda: window.session.document.image.name == sample and window.session.idle)
+    hand.key(KEY.Key_W)
+    hand.wait(lambda: objects.ready and objects.idle)
+    begin, select = window.session.document, Partition.select
+
+    def select_slowly(*given, **more):
+        time.sleep(0.2)
+        return select(*given, **more)
+
+    monkeypatch.setattr(Partition, "select", select_slowly)
+    found = []
+    for quick in (False, True):
+        window.session.edit("begin", lambda document: replace(document, objects=begin.objects))
+        hand.wait(lambda: objects.idle and not objects.selecting)
+        waited = 0
+        for act in acts:
+            if act == "undo":
+                hand.key(KEY.Key_Z, CONTROL)
+            elif isinstance(act, KEY):
+                hand.key(act)
+            else:
+                row, col, *keys = act
+                for event in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
+                    event(hand.canvas.viewport(), Qt.MouseButton.LeftButton, *(keys or [NONE]), hand.at(row, col))
+            waited += not objects.idle
+            hand.qtbot.wait(20)
+            if not quick:
+                hand.wait(lambda: objects.idle and objects.answered)
+        hand.wait(lambda: objects.idle and objects.answered)
+        assert waited > len(acts) / 2 or not quick
+        found.append(window.session.document.objects)
+    slow, quick = found
+    assert len(slow.items) > 3
+    assert quick == slow
+
+
+def test_a_click_is_marked_as_being_worked_on_at_once_and_until_its_answer_is_shown(
+    window, hand, objects, layer, monkeypatch
+) -> None:
+    answer, select = threading.Event(), Partition.select
+    monkeypatch.setattr(Partition, "select", lambda *given, **more: (answer.wait(60), select(*given, **more))[1])
+    hand.click(18, 18)
+    assert layer.awaited.isVisible(), "when the click has been handled, without another turn"
+    assert np.transpose(layer.awaited.getData()) == pytest.approx(np.array([[18.0, 18.0]]), abs=0.5)
+    hand.key(KEY.Key_Return)
+    hand.click(43, 42)
+    places = [each.places[0] for each in window.session.scene.objects.awaited]
+    assert np.array(places) == pytest.approx(np.array([(18.0, 18.0), (43.0, 42.0)]), abs=0.5)
+    answer.set()
+    hand.wait(lambda: objects.idle and objects.answered)
+    assert window.session.scene.objects.awaited == ()
+    assert not layer.awaited.isVisible()
+    assert len(taken(window)) == 1
+    assert objects.selecting
+
+
+def test_what_waits_for_an_answer_that_does_not_come_is_given_up(window, hand, objects, monkeypatch) -> None:
+    def fail(*given, **more):
+        raise ValueError("no answer")
+
+    with monkeypatch.context() as changed:
+        changed.setattr(Partition, "select", fail)
+        hand.click(18, 18)
+        hand.key(KEY.Key_Return)
+        hand.wait(lambda: objects.idle)
+        assert "No answer" in window.canvas_area.messages.text
+        assert taken(window) == window.session.scene.objects.awaited == ()
+        hand.key(KEY.Key_Z, CONTROL)
+        assert not objects.selecting
+    click(hand, 18, 18)
+    take(hand)
+    assert len(taken(window)) == 1
+
+
+def test_a_stroke_or_a_start_that_reaches_into_an_accepted_object_stays_out_of_it(window, hand, objects, part) -> None:
+    hand.drag((43, 50), (43, 44), (43, 38), (43, 34))
+    hand.wait(lambda: objects.idle and bool(objects.proposals))
+    assert offered(objects)[43, 48]
+    assert not (offered(objects) & part).any()
+
+
+def test_what_waits_is_dropped_with_the_image(window, hand, objects, monkeypatch, image_file) -> None:
+    answer, select = threading.Event(), Partition.select
+    monkeypatch.setattr(Partition, "select", lambda *given, **more: (answer.wait(60), select(*given, **more))[1])
+    hand.click(18, 18)
+    hand.key(KEY.Key_Return)
+    opened = window.session.image
+    window.session.open_file(image_file)
+    hand.wait(lambda: window.session.image is not opened)
+    answer.set()
+    hand.wait(lambda: objects.idle and window.session.idle)
+    assert taken(window) == ()
+    assert not objects.selecting
+
+
 def test_one_enter_too_many_after_a_typed_value_accepts_nothing(window, hand, objects) -> None:
     click(hand, 18, 18)
     hand.key(KEY.Key_C)
@@ -241,6 +361,62 @@ def test_a_click_with_control_in_an_object_selects_another_one_there(window, han
     assert objects.selecting
     take(hand)
     assert [item.number for item in taken(window)] == [1, 2]
+
+
+@pytest.fixture
+def part(window):
+    """An accepted object over a part of the large disk."""
+    corners = ((28.0, 25.0), (28.0, 36.5), (58.0, 36.5), (58.0, 25.0))
+    item = SegmentedObject(1, (), (corners,))
+    window.session.edit("part", lambda document: accept_objects(document, (item,)))
+    return item.mask((64, 64))
+
+
+def test_answers_stay_out_of_accepted_objects_unless_objects_may_overlap(window, hand, objects, part) -> None:
+    click(hand, 43, 48)
+    assert not (offered(objects) & part).any()
+    assert overlap(offered(objects), disk(*LARGE) & ~part) > 0.9
+    take(hand)
+    assert not (taken(window)[1].mask((64, 64)) & part).any()
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.key(KEY.Key_Escape)
+    window.actions_by_name["objects_overlap"].trigger()
+    click(hand, 43, 48)
+    assert overlap(offered(objects), disk(*LARGE)) > 0.9
+    hand.key(KEY.Key_Escape)
+    window.workspace.object_list.select_objects((1,))
+    window.workspace.object_commands.toggle_state("frozen")
+    window.workspace.object_list.select_objects(())
+    click(hand, 43, 48)
+    assert not (offered(objects) & part).any(), "a frozen object is never run over"
+
+
+def test_proposals_of_a_run_stay_out_of_accepted_objects(window, hand, objects, part) -> None:
+    run_everywhere(hand)
+    masks = [each.selection.mask for each in objects.proposals]
+    assert not any((mask & part).any() for mask in masks)
+    assert max(overlap(mask, disk(*LARGE) & ~part) for mask in masks) > 0.9
+
+
+def test_an_answer_does_not_depend_on_objects_accepted_elsewhere(window, hand, objects) -> None:
+    click(hand, 43, 42)
+    alone = objects.proposals[0].selection
+    hand.key(KEY.Key_Escape)
+    click(hand, 18, 18)
+    take(hand)
+    click(hand, 43, 42)
+    np.testing.assert_array_equal(offered(objects), alone.mask)
+    assert objects.proposals[0].selection.confidence == alone.confidence
+
+
+def test_a_click_that_changes_nothing_leaves_the_confidence_and_says_so(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    before = objects.proposals[0].selection
+    click(hand, 20, 20)
+    after = objects.proposals[0].selection
+    assert after.has_same_region(before)
+    assert after.confidence == before.confidence
+    assert "changes nothing" in window.canvas_area.messages.text
 
 
 def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window, hand, layer) -> None:
@@ -462,6 +638,7 @@ def test_a_session_file_keeps_objects_classes_and_the_selection_in_progress(wind
     click(hand, 18, 18)
     take(hand)
     window.workspace.object_commands.name_class(1, "nucleus", "#112233")
+    window.actions_by_name["objects_overlap"].trigger()
     click(hand, 43, 42)
     before = window.session.document.objects
     kept = DocumentFile(window.session, dict)

@@ -34,7 +34,7 @@ def brush(volume, hand):
     assert tool.name == "mend"
     tool.set_radius(3.0)
     settings = volume.workspace.object_brush
-    settings.paints_in_space, settings.paints_over_others = False, True
+    settings.paints_in_space = False
     return tool
 
 
@@ -132,7 +132,9 @@ def test_the_lines_in_slices_enclose_the_voxels_that_have_been_painted(volume, h
         assert np.array_equal(inside.reshape(expected.shape), expected)
 
 
-def test_a_frozen_object_keeps_every_voxel_and_others_are_painted_over_if_that_is_chosen(volume, hand, brush) -> None:
+def test_a_frozen_object_keeps_every_voxel_and_others_are_painted_over_if_objects_may_overlap(
+    volume, hand, brush
+) -> None:
     listed = volume.workspace.object_list
     stroke(hand.canvas, (12, 8), (12, 14))
     first = masks(volume)[0]
@@ -147,14 +149,26 @@ def test_a_frozen_object_keeps_every_voxel_and_others_are_painted_over_if_that_i
     assert np.array_equal(masks(volume)[0], first)
     assert "frozen" in volume.canvas_area.messages.text
     volume.workspace.object_commands.toggle_state("frozen")
-    volume.trigger_action("paint_over")
     stroke(hand.canvas, (12, 16), (12, 8), keys=CTRL)
     assert np.array_equal(masks(volume)[0], first)
-    volume.trigger_action("paint_over")
+    volume.trigger_action("objects_overlap")
     stroke(hand.canvas, (12, 8), keys=CTRL)
     left, new = masks(volume)[0], masks(volume)[-1]
     assert np.array_equal(left, first & ~new)
     assert 0 < left.sum() < first.sum()
+
+
+def test_a_stroke_over_a_hidden_object_says_why_it_does_nothing_and_is_no_step_of_undo(volume, hand, brush) -> None:
+    stroke(hand.canvas, (12, 8), (12, 14))
+    volume.workspace.object_commands.toggle_state("hidden")
+    before = volume.session.document
+    stroke(hand.canvas, (12, 10), (12, 12))
+    assert "hidden: show it" in volume.canvas_area.messages.text
+    volume.workspace.object_list.select_objects(())
+    volume.canvas_area.messages.dismiss_message()
+    stroke(hand.canvas, (12, 10), (12, 12))
+    assert "hidden: show it" in volume.canvas_area.messages.text
+    assert volume.session.document is before
 
 
 def test_painted_objects_are_measured_drawn_in_space_saved_and_exported(volume, hand, brush, tmp_path) -> None:

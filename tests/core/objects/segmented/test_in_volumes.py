@@ -1,6 +1,7 @@
 """Painting in volumes: voxels in bytes, what a brush covers, whom it takes from, and the slices between."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -108,12 +109,17 @@ def test_the_smallest_brush_covers_the_voxel_that_it_is_in():
     assert (first.tolist(), mask.shape) == ([4, 7, 9], (1, 1, 1))
 
 
-def painted(*masks, **given):
+def painted(*masks):
     """Objects with these voxels, of which the last one is painted over the others."""
-    objects = SegmentedObjects()
+    objects = SegmentedObjects(may_overlap=True)
     for number, mask in enumerate(masks, start=1):
-        objects = paint_voxels(objects, number, (np.zeros(3, int), mask), **given)
+        objects = paint_voxels(objects, number, (np.zeros(3, int), mask))
     return objects
+
+
+def apart(objects):
+    """The same objects, which may not overlap."""
+    return replace(objects, may_overlap=False)
 
 
 def test_painting_and_erasing_the_same_way_leaves_what_was_there():
@@ -124,12 +130,12 @@ def test_painting_and_erasing_the_same_way_leaves_what_was_there():
     after = paint_voxels(paint_voxels(before, 1, part), 1, part, adds=False)
     covered = whole(PackedVoxels.from_voxels(Voxels(part[1], tuple(part[0].tolist()))))
     assert np.array_equal(whole(after[1].surface[0]), there & ~covered)
-    new = paint_voxels(paint_voxels(before, 2, part, over_others=False), 2, part, adds=False)
+    new = paint_voxels(paint_voxels(apart(before), 2, part), 2, part, adds=False)
     assert np.array_equal(whole(new[1].surface[0]), there)
     assert [item.number for item in new.items] == [1]
 
 
-def test_paint_takes_from_others_but_never_from_frozen_or_hidden_ones():
+def test_paint_takes_from_others_where_they_may_overlap_but_never_from_frozen_or_hidden_ones():
     rng = np.random.default_rng(4)
     masks = rng.random((4, *SHAPE)) < 0.3
     alone = [masks[0] & ~masks[1] & ~masks[2], masks[1] & ~masks[2], masks[2]]
@@ -141,13 +147,13 @@ def test_paint_takes_from_others_but_never_from_frozen_or_hidden_ones():
         SegmentedObject(item.number, (), surface=item.surface, frozen=item.number == 1, hidden=item.number == 2)
         for item in objects.items
     )
-    after = paint_voxels(SegmentedObjects(items), 4, (np.zeros(3, int), masks[3]))
+    after = paint_voxels(replace(objects, items=items), 4, (np.zeros(3, int), masks[3]))
     bodies = [whole(item.surface[0]) for item in after.items]
     assert np.array_equal(bodies[0], alone[0])
     assert np.array_equal(bodies[1], alone[1])
     assert np.array_equal(bodies[2], alone[2] & ~masks[3])
     assert np.array_equal(bodies[3], masks[3] & ~alone[0] & ~alone[1])
-    clear = paint_voxels(objects, 4, (np.zeros(3, int), masks[3]), over_others=False)
+    clear = paint_voxels(apart(objects), 4, (np.zeros(3, int), masks[3]))
     assert clear.items[:3] == objects.items
     assert np.array_equal(whole(clear[4].surface[0]), masks[3] & ~np.any(alone, axis=0))
 

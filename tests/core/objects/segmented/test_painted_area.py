@@ -62,10 +62,23 @@ def test_the_boundary_encloses_the_area_and_what_the_disk_has_gone_over_or_the_a
 @given(st.lists(PLACES, min_size=1, max_size=5), st.floats(1.0, 8.0), st.booleans())
 @settings(max_examples=15)
 def test_far_from_the_brush_the_boundary_has_the_vertices_that_it_had(path, radius, adds):
-    after = {corner for curve in paint_boundary((STAR, SQUARE), path, radius, adds, SHAPE) for corner in curve}
+    def rounded(corners):
+        return {tuple(np.round(corner, 3).tolist()) for corner in corners}
+
+    after = [corner for curve in paint_boundary((STAR, SQUARE), path, radius, adds, SHAPE) for corner in curve]
     far = [corner for corner in (*STAR, *SQUARE) if polyline.distance_to_path(path, corner) > radius + 3.0]
     assume(far)
-    assert {tuple(np.round(corner, 3).tolist()) for corner in far} <= after
+    assert rounded(far) <= rounded(after)
+
+
+def test_a_brush_that_touches_nothing_changes_nothing_and_limits_keep_it_out():
+    assert paint_boundary((STAR,), [(-40.0, -40.0)], 3.0, False, SHAPE) == (STAR,)
+    assert paint_boundary((STAR,), [(-40.0, -40.0)], 3.0, True, SHAPE) == (STAR,)
+    (inner,) = paint_boundary((), [(32.0, 32.0)], 2.0, True, SHAPE)
+    outer = paint_boundary((), [(32.0, 32.0)], 6.0, True, SHAPE, [(inner,)])
+    assert len(outer) == 2
+    assert not (enclosed(outer) & enclosed((inner,))).any()
+    assert paint_boundary((), [(32.0, 32.0)], 1.0, True, SHAPE, [(inner,)]) == ()
 
 
 def test_a_disk_has_its_area_and_is_round_to_a_hundredth_of_a_pixel():

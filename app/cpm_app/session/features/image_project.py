@@ -1,0 +1,453 @@
+"""The project of a folder: its images with their states, saved as one goes from one to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import field, replace
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from cpm_app.model.document.modes import MODES
+from cpm_app.model.document.project import (
+    ImageRow,
+    find_next_undone,
+    has_own_work,
+    list_images_of,
+    settings_of,
+)
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import explain_error, tr
+from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, OpeningFailed, WorkFinished
+from cpm_app.session.features.followed_objects import FollowedObjects
+from cpm_app.session.features.prepared_image import PreparedImage, prepare_proposals
+from cpm_app.session.features.project_table import write_table
+from cpm_app.session.features.stack_pages import StackPages
+from cpm_app.session.session import Session
+from cpm_app.session.session_messages import (
+    EXPORTING_CATEGORY,
+    OPENING_CATEGORY,
+    PROJECT_CATEGORY,
+    RUNNING_CATEGORY,
+    SAVING_CATEGORY,
+)
+from cpm_app.session.storage.session_file import DocumentFile, SessionWritten
+from cpm_app.session.tasks.opening import list_images
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
+from cpm_core.formats import (
+    ImageState,
+    Project,
+    ProjectImage,
+    SessionFile,
+    load_project,
+    make_project_folder,
+    project_session,
+    update_project,
+)
+from cpm_core.numerics.types import record
+from cpm_core.shapes import Everywhere
+
+_SAVE_DELAY = 5000
+"""Time from a change until the work on the open image is saved, together with all changes in between [ms]."""
+
+
+@record
+class FolderContent:
+    """What is known of a folder of images.
+
+    Attributes
+    ----------
+    folder : Path or None
+        The folder; None while no project is open.
+    images : tuple of Path
+        Its images in natural order.
+    by_path : mapping of Path to Path
+        Each image under its own path, and under the one that it leads to if it is a link.
+    project : Project
+        The states of its images.
+    sessions : frozenset of str
+        Names of the images that have a session.
+    error : str
+        Message if the states could not be read.
+    """
+
+    folder: Path | None = None
+    images: tuple[Path, ...] = ()
+    by_path: Mapping[Path, Path] = field(default_factory=dict)
+    project: Project = field(default_factory=Project)
+    sessions: frozenset[str] = frozenset()
+    error: str = ""
+
+    @classmethod
+    def read(cls, folder: Path) -> FolderContent:
+        """Read a folder; not for use on the window's thread."""
+        folder = folder.resolve()
+        images, project, error = list_images(folder), Project(), ""
+        if not images:
+            raise ValueError(tr("This folder contains no readable image: choose another one."))
+        try:
+            project = load_project(folder)
+        except ValueError as damaged:
+            error = explain_error(damaged)
+        by_path = {image.resolve(): image for image in images} | {image: image for image in images}
+        sessions = frozenset(image.name for image in images if project_session(image).is_file())
+        return cls(folder, images, by_path, project, sessions, error)
+
+
+class ImageProject(QObject):
+    """The folder of images that is open as a project, and the open image in it."""
+
+    changed = Signal()
+    """Another folder or image is open, or the state of an image has changed."""
+    image_wanted = Signal(object)
+    """The user goes on to an image: its path."""
+
+    def __init__(self, session: Session, pages: StackPages, followed_objects: FollowedObjects) -> None:
+        super().__init__(session)
+        self._session, self._pages, self._followed_objects = session, pages, followed_objects
+        self._file: DocumentFile
+        self._content = FolderContent()
+        self.current: Path | None = None
+        """The open image, if it is one of the project."""
+        self._wanted: Path | None = None
+        """The image that was asked for last."""
+        self._first_settings: SessionFile | None = None
+        """The settings that the open image began with."""
+        self._shown: object = None
+        """State and number of objects of the open image, as last announced."""
+        self._writing = self._preparing = ENDED_TASK
+        self._prepared_path: Path | None = None
+        """The image that is run before it is opened."""
+        self._prepared_after: Path | None = None
+        """The open image when that was last considered."""
+        self._prepared: PreparedImage | None = None
+        self._saving_fails = False
+        self._timer = QTimer(self, singleShot=True)
+        self._timer.timeout.connect(self._save)
+        session.store.add_listener(ImageOpened, self._on_image_opened)
+        session.store.add_listener(SessionWritten, self._on_session_written)
+        session.store.add_listener(CommandFailed, self._on_command_failed)
+        session.store.scene_changed.connect(self._prepare_next)
+
+    def set_session_file(self, document_file: DocumentFile) -> None:
+        """Set the session file, in which the work on the open image is saved."""
+        self._file = document_file
+        document_file.edited.connect(self._announce_state)
+        document_file.edited.connect(self._save_soon)
+
+    # State
+
+    @property
+    def folder(self) -> Path | None:
+        """The folder; None while no project is open."""
+        return self._content.folder
+
+    @property
+    def images(self) -> tuple[Path, ...]:
+        """The images of the folder, in natural order."""
+        return self._content.images
+
+    @property
+    def proposes(self) -> bool:
+        """Whether untouched images are run as soon as they are opened."""
+        return self._content.project.proposes
+
+    @property
+    def rows(self) -> tuple[ImageRow, ...]:
+        """The images with their states."""
+        content, current = self._content, self.current
+        if current is None:
+            return list_images_of(content.images, content.project, content.sessions)
+        project = content.project.with_image(current.name, self._here)
+        rows = list_images_of(content.images, project, content.sessions)
+        return tuple(replace(row, is_proposed=False) if row.path == current else row for row in rows)
+
+    @property
+    def state(self) -> ImageState:
+        """State of the open image; untouched if it is none of the project."""
+        return self._here.state
+
+    @property
+    def session_path(self) -> Path | None:
+        """File in which the work on the open image is saved.
+
+        None if the image is none of the project, or if there is a session of it that is not open, as of another page.
+        """
+        path = None if self.current is None else project_session(self.current)
+        return None if path is None or (path.exists() and path != self._file.path) else path
+
+    def contains(self, path: Path) -> bool:
+        """Return whether a path is that of an image of the project."""
+        return self._find_image(path) is not None
+
+    # Opening
+
+    def open_folder(self, folder: Path) -> BackgroundTask:
+        """Open a folder of images as a project, and in it the first image that is not done."""
+        self._session.messages.clear(OPENING_CATEGORY, PROJECT_CATEGORY)
+        return self._session.tasks.start_task(
+            tr("Opening {name}…", name=folder.name),
+            lambda _: FolderContent.read(folder),
+            tr("opening {name}", name=folder.name),
+            OpeningFailed,
+            on_result=self._begin,
+        )
+
+    def open_image(self, path: Path) -> None:
+        """Open an image of the project with its session; an untouched one begins with the settings of the project."""
+        image, settings, prepared = self._find_image(path), self._content.project.settings, self._prepared
+        if image is None:
+            return
+        self._wanted, session = image, project_session(image)
+        if settings is not None and prepared is not None and (prepared.path, prepared.settings) == (image, settings):
+            settings = prepared.settings_with_runs
+        self._session.open_file(session if session.is_file() else image, resumes=True, settings=settings)
+
+    def go_to_next(self) -> None:
+        """Go on to the next image about which the user has said nothing."""
+        following = find_next_undone(self.rows, self._wanted)
+        if following is None:
+            self._session.messages.show(tr("No other image is left to do."), category=OPENING_CATEGORY)
+        else:
+            self.image_wanted.emit(following)
+
+    # States
+
+    def mark(self, state: ImageState) -> None:
+        """Mark the open image, and go on to the next one; if it is marked so already, remove the mark and stay."""
+        if self.current is None:
+            return
+        removed, here = self._here.state == state, self._here
+        if removed:
+            begun = self._has_work or self.current.name in self._content.sessions
+            state = "begun" if begun else "untouched"
+        self._change(partial(Project.with_image, name=self.current.name, image=replace(here, state=state)))
+        if not removed:
+            self.go_to_next()
+
+    def toggle_proposing(self) -> None:
+        """Have untouched images run with the settings of the open one as soon as they are opened, or no longer."""
+        messages, document = self._session.messages, self._session.document
+        messages.clear(RUNNING_CATEGORY)
+        if self.proposes:
+            self._change(lambda project: replace(project, proposes=False))
+            return
+        settings = self._read_settings()
+        if settings is None or document.mode == "skeleton" or not settings.shapes:
+            text = tr("Only a run from everywhere suits all images: choose the automatic mode, or start everywhere.")
+            messages.show(text, True, RUNNING_CATEGORY)
+            return
+        self._change(lambda project: replace(project, proposes=True, settings=settings))
+        text = tr(
+            "Images: {count}. Each is run when you open it: accept its proposals with Enter, then press "
+            "{key:image_done}."
+        )
+        count = sum(row.is_proposed for row in self.rows)
+        messages.show(insert_keys(text, count=count), category=RUNNING_CATEGORY)
+
+    # Saving
+
+    def save_and_wait(self) -> bool:
+        """Save the work on the open image; return False if that fails, or if it has no place in the project."""
+        path = self.session_path
+        if path is None:
+            return False
+        self._timer.stop()
+        self._keep_settings()
+        return not self._needs_saving or (self.make_folder() and self._file.save_and_wait(path, automatic=True))
+
+    def make_folder(self) -> bool:
+        """Create the folder of the project; return False, with an error message shown, if that fails."""
+        try:
+            if self.folder is not None:
+                make_project_folder(self.folder)
+        except ValueError as error:
+            self._saving_fails = True
+            self._session.messages.show(explain_error(error), True, SAVING_CATEGORY)
+            return False
+        return True
+
+    def write_table(self, path: Path) -> BackgroundTask:
+        """Write one table of all objects of all images, in the background."""
+        self._session.messages.clear(EXPORTING_CATEGORY)
+        self.save_and_wait()
+        images = tuple(image for image in self.images if image.name in self._content.sessions)
+        return self._session.tasks.start_task(
+            tr("Writing {name}…", name=path.name),
+            partial(write_table, images, path),
+            tr("writing {name}", name=path.name),
+            partial(CommandFailed, category=EXPORTING_CATEGORY),
+        )
+
+    # Internal
+
+    @property
+    def _here(self) -> ProjectImage:
+        """What the project says of the open image, with the work that is not saved yet."""
+        if self.current is None:
+            return ProjectImage()
+        document, known = self._session.document, self._content.project.images.get(self.current.name, ProjectImage())
+        begun = self._has_work or self.current.name in self._content.sessions
+        state: ImageState = "begun" if known.state == "untouched" and begun else known.state
+        return ProjectImage(state, len(document.objects.items))
+
+    @property
+    def _needs_saving(self) -> bool:
+        """Whether there is work on the open image that its session in the project lacks."""
+        path = self.session_path
+        if path is None:
+            return False
+        return self._file.unsaved if path == self._file.path else self._has_work
+
+    @property
+    def _has_work(self) -> bool:
+        """Whether there is work on the open image, new or from a session elsewhere."""
+        worked = has_own_work(self._session.document) or self._pages.has_unsaved_others
+        return worked and (self._file.path is not None or self._file.unsaved)
+
+    def _find_image(self, path: Path) -> Path | None:
+        by_path = self._content.by_path
+        return by_path.get(path) or (by_path.get(path.resolve()) if by_path else None)
+
+    def _use_folder(self, content: FolderContent) -> None:
+        self._preparing.cancel()
+        self._content, self.current, self._wanted = content, None, None
+        self._prepared = self._prepared_path = self._prepared_after = None
+
+    def _begin(self, content: FolderContent) -> None:
+        self._use_folder(content)
+        if content.error:
+            self._session.messages.show(content.error, True, PROJECT_CATEGORY)
+        self.changed.emit()
+        self.image_wanted.emit(find_next_undone(self.rows, None) or content.images[0])
+
+    def _on_image_opened(self, opened: ImageOpened) -> None:
+        """Take over an opened image of the project, or end the project if it is none of it."""
+        self._timer.stop()
+        self._saving_fails = False
+        before, self.current = self.current, self._find_image(opened.path)
+        if self.current is None:
+            if self.folder is not None:
+                self._use_folder(FolderContent())
+                self._session.messages.clear(PROJECT_CATEGORY)
+                self.changed.emit()
+            return
+        self._wanted = self.current
+        if self.current != before:  # and not another page of it
+            self._first_settings = self._read_settings()
+            if self.proposes:
+                QTimer.singleShot(0, self, self._propose)
+        self.changed.emit()
+
+    def _propose(self) -> None:
+        """Offer the proposals on the open image if it is untouched, or run it, which ends with proposals."""
+        document, prepared = self._session.document, self._prepared
+        if self.current is None or self.state != "untouched" or document.image is None:
+            return
+        if not any(isinstance(start, Everywhere) for start in document.starts):
+            return
+        if self._prepared_path == self.current and not self._preparing.is_over:
+            return  # its proposals are on the way
+        made_of = self.current, document.image.sha256, self._content.project.settings
+        if prepared is not None and (prepared.path, prepared.sha256, prepared.settings) == made_of:
+            proposals = prepared.proposals
+            if proposals is not None:
+                self._followed_objects.offer(lambda *_: proposals)
+                return
+        self._session.run()
+
+    def _prepare_next(self) -> None:
+        """Once there are proposals on the open image, make those on the image that will be next."""
+        project, current = self._content.project, self.current
+        if not (project.proposes and project.settings and self._session.scene.objects.proposals):
+            return
+        if self._prepared_after == current:
+            return
+        self._prepared_after = current
+        following = find_next_undone(self.rows, current)
+        if following is None or following == self._prepared_path or not self._preparing.is_over:
+            return
+        row = next(row for row in self.rows if row.path == following)
+        if row.is_proposed and MODES[self._session.document.mode].method == "cpm":
+            self._prepared_path, self._prepared = following, None
+            self._preparing = self._session.tasks.start_task(
+                tr("Preparing {name}…", name=following.name),
+                partial(prepare_proposals, following, project.settings),
+                tr("preparing {name}", name=following.name),
+                lambda _: WorkFinished(partial(self._on_prepared, None)),  # what is wrong is said when it is opened
+                on_result=self._on_prepared,
+            )
+
+    def _on_prepared(self, prepared: PreparedImage | None) -> None:
+        """Offer the proposals if the image has been opened in the meantime."""
+        self._preparing, self._prepared = ENDED_TASK, prepared
+        if self._prepared_path == self.current:
+            self._propose()
+
+    def _announce_state(self) -> None:
+        if self.current is not None and self._here != self._shown:
+            self._shown = self._here
+            self.changed.emit()
+
+    def _read_settings(self) -> SessionFile | None:
+        """Return the settings of the open image, with all scales even if it has no room for them."""
+        session = self._session
+        document = session.document
+        if not document.has_volume:
+            document = replace(document, parameters=session.parameters_for_next_image)
+        return settings_of(document)
+
+    def _keep_settings(self) -> None:
+        """Let new images begin with the settings of the open one, if they have been changed in it."""
+        settings = self._read_settings()
+        if settings is not None and settings != self._first_settings:
+            self._first_settings = settings
+            self._change(lambda project: replace(project, settings=settings))
+
+    def _change(self, change: Callable[[Project], Project]) -> None:
+        """Change the project here, and on the disk in the background, one change after the other."""
+        folder, before = self.folder, self._writing
+        after = change(self._content.project)
+        if folder is None or after == self._content.project:
+            return
+        self._content = replace(self._content, project=after)
+        self.changed.emit()
+
+        def write_change(_: BackgroundTask) -> None:
+            before.wait()
+            update_project(folder, change)
+
+        self._writing = self._session.tasks.start_task(
+            tr("Saving {name}…", name=folder.name),
+            write_change,
+            tr("saving {name}", name=folder.name),
+            partial(CommandFailed, category=PROJECT_CATEGORY),
+            cancellable=False,
+            on_result=lambda _: None,
+        )
+
+    def _save_soon(self) -> None:
+        if not (self._timer.isActive() or self._saving_fails) and self._needs_saving:
+            self._timer.start(_SAVE_DELAY)
+
+    def _save(self) -> None:
+        path = self.session_path
+        if path is not None and self._needs_saving and self.make_folder():
+            self._file.save(path, automatic=True)
+
+    def _on_session_written(self, written: SessionWritten) -> None:
+        """Note the state of an image whose session has been written, perhaps after it has been left."""
+        image = next((image for image in self.images if project_session(image) == written.path), None)
+        if image is None:
+            return
+        self._content = replace(self._content, sessions=self._content.sessions | {image.name})
+        known = self._content.project.images.get(image.name, ProjectImage())
+        state: ImageState = known.state if known.state in ("done", "doubtful") else "begun"
+        after = ProjectImage(state, len(written.file.objects.items))
+        self._change(partial(Project.with_image, name=image.name, image=after))
+
+    def _on_command_failed(self, failed: CommandFailed) -> None:
+        """Do not try again by itself what has failed and has been reported."""
+        if failed.category == SAVING_CATEGORY:
+            self._saving_fails = True
