@@ -42,9 +42,10 @@ The model on one page
 11. The terms of a step can be inspected: the **forces** on each particle, by name, the **potential** of the charges,
     and the kinetic and potential **energy**, which damping dissipates until the run is at rest (`model.measures`).
 
-`Engine` composes them step by step (`segmentation.engine`); `segment` is a whole run in one call, `evolve` an iterator
-over its steps, and `follow_pages` runs on each page of a stack, starting from the contours of the previous page
-(`pages`). `contours.measurements` measures each contour and finds its nesting; `Result.labels` and `Result.table` are
+`Engine` composes them step by step (`segmentation.engine`); `segment` is a whole run in one call, `run` that of a saved
+session, `evolve` an iterator over its steps, and `follow_pages` runs on each page of a stack, starting from the
+contours of the previous page (`pages`). `contours.measurements` measures each contour and finds its nesting;
+`Result.labels` and `Result.table` are
 the enclosed pixels and their measurements. Given a **ground truth**, as a mask or as contours, `compare` measures the
 agreement with it (`contours.agreement`, `contours.ground_truth`), and in a volume `compare_surface` that of the
 surface. `formats` reads and writes files: `export` selects the format of contours by the suffix, `to_bytes` returns the
@@ -58,11 +59,12 @@ reconstructed (`medial_axis`). It needs no seeds. In a volume it consists of the
 
 **Objects** are selected by points, scribbles and boxes, with `select` and `select_all`: an object is the region that a
 closed contour encloses unambiguously, elsewhere the one predicted by a network trained on outlined images
-(`find_objects`). In a notebook they are clicked in a `notebook_view`.
+(`objects`). `Result.objects` are those that a run proposes, wherever it was made. In a notebook they are clicked in a
+`notebook_view`.
 
 The **classical methods** to which the publication compares its own, snakes and level sets, are listed with the charged
 particles in `CONTOUR_METHODS`: from the same image and the same drawn `Start`, each yields the states of a run one by
-one (`methods`). `METHODS` has all methods by name.
+one (`methods`). `METHODS` has all methods by name; `register_method` adds one.
 
 Words
 -----
@@ -70,10 +72,6 @@ Positions are (row, col) in pixels, pixel centers at integers. *Idle* counts ste
 `State` is one step of a run and determines the next one without any other memory; a `Result` is the outcome of a run; a
 `ScaleField` holds the fields of one scale.
 """
-
-from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Any
 
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.contour import Bridge, Contour
@@ -101,6 +99,7 @@ from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.contours.figure import write_figure
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.examples import example
+from cpm_core.formats.sessions.session_run import run
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
@@ -110,11 +109,13 @@ from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.methods import (
     CONTOUR_METHODS,
+    METHODS,
     ContourMethod,
     ContourState,
     RunReport,
     Start,
     iterate_method,
+    register_method,
     report_run,
     run_method,
 )
@@ -148,9 +149,6 @@ from cpm_core.segmentation.method import Method
 from cpm_core.segmentation.select import partition, select, select_all
 
 __version__ = VERSION
-
-METHODS: Mapping[str, type[Method[Any]] | ContourMethod[Any]] = MappingProxyType({**CONTOUR_METHODS, **RUN_METHODS})
-"""All methods by name: classes that run step by step, each a `Method`, and the classical ones for comparison."""
 
 __all__ = [
     "CONTOUR_METHODS",
@@ -225,7 +223,9 @@ __all__ = [
     "partition",
     "reconstruct_curve",
     "reconstruct_surface",
+    "register_method",
     "report_run",
+    "run",
     "run_method",
     "seeds_at_centers",
     "seeds_everywhere",

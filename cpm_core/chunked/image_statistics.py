@@ -166,10 +166,13 @@ def find_sample_spacing(shape: Extent) -> int:
 
 
 def measure_gray_ends(source: ChunkedSource, chunk: Chunk) -> GrayEnds:
-    """Measure the ends of the gray levels of the core of a chunk of an image or a volume."""
+    """Measure the ends of the gray levels of the core of a chunk of an image or a volume; ValueError for NaN."""
     seen = expand_window(chunk.core, SPECK_REACH, source.shape)
     inside = relative_window(find_inside_rim(source.shape), seen)
-    return find_gray_ends(source.read_values(seen), relative_window(chunk.core, seen), inside)
+    ends = find_gray_ends(source.read_values(seen), relative_window(chunk.core, seen), inside)
+    if math.isnan(ends.darkest):  # each chunk would fill them in its own way
+        raise ValueError(f"{source.path.name} has pixels without data (NaN): replace them by numbers first.")
+    return ends
 
 
 def measure_gray_levels(source: ChunkedSource, chunk: Chunk) -> ChunkGrayLevels:

@@ -51,15 +51,16 @@ CLI_COMMANDS = {
         ),
     ),
     "batch": CliCommand(
-        "find the contours of many images",
-        "Apply a session file to each image: its start, regions, charges and parameters, and of a file of several "
-        "images the page, channel, point in time and series that the session shows. An image that fails is "
-        "reported, and the others go on. What the summary in the folder says is done already is not done again.",
+        "find the objects of many images",
+        "Apply a session file to each image, and write the objects that the window finds there: its start, regions, "
+        "charges and parameters, and of a file of several images the page, channel, point in time and series that the "
+        "session shows. An image that fails is reported, and the others go on. What the summary in the folder says is "
+        "done already is not done again.",
         batch.add_arguments,
         batch.run_batch,
         (
             "cpm batch images --session cell.cpm --output found",
-            'cpm batch "images/*.png" --session cell.cpm --output found --workers 2',
+            'cpm batch "images/*.png" --session cell.cpm --output found --export labelme csv masks',
         ),
     ),
     "export": CliCommand(

@@ -1,4 +1,4 @@
-"""``cpm batch``: applies a session file to many images; the files of each are written as soon as it is done."""
+"""``cpm batch``: finds the objects of many images by a session; the files of each are written as soon as it is done."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from pathlib import Path
 
 from cpm_core.cli.arguments import add_options, add_parameter_options, parse_parameters
 from cpm_core.cli.output import EXIT_IN_PART, StatusLine, ensure_compiled, print_json, print_message, print_notes
-from cpm_core.cli.workers import BatchJob, BatchRow, run_locally, run_on_scheduler
-from cpm_core.formats import CONTOURS_WRITABLE
+from cpm_core.cli.workers import BatchJob, BatchKind, BatchRow, run_locally, run_on_scheduler
+from cpm_core.formats import CONTOURS_WRITABLE, FORMATS_BY_NAME, VOLUMES_WRITABLE, find_named_suffix
 from cpm_core.formats.common.atomic import append_bytes, draft_files, remove_abandoned_drafts, write_together
 from cpm_core.formats.common.content import compute_fingerprint, try_fingerprint
 from cpm_core.formats.common.printable import escape_cell, make_printable, unescape_cell
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
+from cpm_core.formats.sessions.session_run import is_volume_session
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, quote_value
@@ -29,14 +30,17 @@ from cpm_core.shapes.document_shapes import select_starts
 SUMMARY_NAME = "summary.csv"
 """Name of the table of images in the folder of a batch."""
 
-MEASURES_NAME = "measures.csv"
-"""Name of the table of all contours there, which joins the tables of the images."""
+_TABLE_SUFFIXES: dict[BatchKind, str] = {"objects": ".table.csv", "contours": ".measures.csv"}
+"""Suffixes of the tables of the images, which are joined in one."""
 
-_MEASURES_SUFFIX = f".{MEASURES_NAME}"
-"""Suffix of the table of the contours of an image."""
+_JOINED_NAMES: dict[BatchKind, str] = {"objects": "objects.csv", "contours": "measures.csv"}
+"""Name of that table in the folder of a batch."""
 
-DEFAULT_SUFFIXES = (".svg", _MEASURES_SUFFIX, ".png")
-"""Formats that are written by default."""
+_PLANE_SUFFIXES = (".svg", ".png")
+"""Formats that are written by default beside the table of an image."""
+
+_VOLUME_SUFFIXES = (".tif",)
+"""Formats that are written by default beside the table of a volume."""
 
 _MAX_STEM_BYTES = 200
 """Longest part of an image's name that the names of its files begin with [bytes]."""
@@ -52,11 +56,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     outcome.add_argument("--output", metavar="DIR", required=True, help="folder to write to; made if there is none")
     outcome.add_argument(
         "--export",
-        metavar="SUFFIX",
+        metavar="FORMAT",
         nargs="+",
-        default=DEFAULT_SUFFIXES,
-        help=f"formats to write (default: svg {MEASURES_NAME}, whose tables are joined, png; "
-        f"of {', '.join(CONTOURS_WRITABLE)})",
+        help=f"formats to write: {', '.join(FORMATS_BY_NAME)}, or a suffix of {', '.join(CONTOURS_WRITABLE)} "
+        "(default: svg, png, and csv, whose tables are joined)",
+    )
+    outcome.add_argument(
+        "--contours",
+        dest="kind",
+        action="store_const",
+        const="contours",
+        default="objects",
+        help="write the contours instead of the objects",
     )
     add_options(outcome, "--max-steps")
     outcome.add_argument("--again", action="store_true", help="do also what the summary says is done")
@@ -67,10 +78,14 @@ def run_batch(arguments: argparse.Namespace) -> int:
     source = Path(arguments.session)
     session = load_session(source)
     parameters = parse_parameters(arguments, session.parameters)
-    suffixes = tuple(dict.fromkeys(f".{suffix.lower().lstrip('.')}" for suffix in arguments.export))
+    in_volume = is_volume_session(session)
+    writable = VOLUMES_WRITABLE if in_volume else CONTOURS_WRITABLE
+    default = (*(_VOLUME_SUFFIXES if in_volume else _PLANE_SUFFIXES), _TABLE_SUFFIXES[arguments.kind])
+    suffixes = tuple(dict.fromkeys(map(find_named_suffix, arguments.export or default)))
     for suffix in suffixes:
-        if suffix not in CONTOURS_WRITABLE:
-            raise ValueError(f"--export is {quote_value(suffix)} but must be one of {', '.join(CONTOURS_WRITABLE)}.")
+        if suffix not in writable:
+            names = ", ".join((*FORMATS_BY_NAME, *writable))
+            raise ValueError(f"--export is {quote_value(suffix)} but must be one of {names}.")
     if not select_starts(session.shapes):
         raise ValueError(f"{source} has no start: draw one, or start everywhere, and save it again.")
     output = Path(arguments.output)
@@ -79,7 +94,15 @@ def run_batch(arguments: argparse.Namespace) -> int:
     except OSError as error:
         raise ValueError(f"--output is {output} but no folder can be made there: {error.strerror or error}.") from error
     batch = Batch(
-        arguments.images, session, source, output, suffixes, parameters, arguments.max_steps, again=arguments.again
+        arguments.images,
+        session,
+        source,
+        output,
+        suffixes,
+        parameters,
+        arguments.max_steps,
+        kind=arguments.kind,
+        again=arguments.again,
     )
     print_notes(source.name, session.notes)
     if batch.rows:
@@ -100,7 +123,7 @@ def run_batch(arguments: argparse.Namespace) -> int:
         raise KeyboardInterrupt(f"{finished}; the same command does the others") from None
     rows = batch.rows.values()
     # an image may be done although a format could not hold what was found
-    lacking = sum(not row.trouble and len(row.files) < len(suffixes) for row in rows)
+    lacking = sum(bool(not row.trouble and row.found and len(row.files) < len(suffixes)) for row in rows)
     failed, seconds = sum(bool(row.trouble) for row in rows), time.perf_counter() - began
     if arguments.json:
         images = [
@@ -113,9 +136,9 @@ def run_batch(arguments: argparse.Namespace) -> int:
     else:
         for row in rows:
             if not row.trouble:
-                print(f"{make_printable(row.image)}: {format_count(int(str(row.facts['contours'])), 'contour')}")
+                print(f"{make_printable(row.image)}: {format_count(row.found, arguments.kind[:-1])}")
         more = (f", {failed} failed" if failed else "") + (f", {lacking} without some files" if lacking else "")
-        tables = f"{output / SUMMARY_NAME}" + (f" and {output / MEASURES_NAME}" if _MEASURES_SUFFIX in suffixes else "")
+        tables = " and ".join(str(output / name) for name in batch.table_names)
         print(make_printable(f"{format_count(len(rows), 'image')} in {seconds:.1f} s{more}; wrote {tables}"))
     return EXIT_IN_PART if failed or lacking else 0
 
@@ -139,6 +162,8 @@ class Batch:
         Parameters of the runs; those of the session by default.
     max_steps : int, optional
         Largest number of steps of a run.
+    kind : {"objects", "contours"}
+        What is written of each image.
     again : bool
         Whether to repeat what is done already: the same image by the same session, settings and version.
 
@@ -165,6 +190,7 @@ class Batch:
         parameters: Parameters | None = None,
         max_steps: int | None = None,
         *,
+        kind: BatchKind = "objects",
         again: bool = False,
     ) -> None:
         parameters = parameters or session.parameters
@@ -172,21 +198,27 @@ class Batch:
         asked = [f"{name}={value}" for name, value in asdict(parameters).items() if value != usual[name]]
         asked += [] if max_steps is None else [f"max_steps={max_steps}"]
         plain = BatchRow(
-            "", session_sha256=compute_fingerprint(source), settings=" ".join([*asked, f"export={','.join(suffixes)}"])
+            "", session_sha256=compute_fingerprint(source), settings=" ".join([*asked, f"{kind}={','.join(suffixes)}"])
         )
-        self._images, self._folder, self._suffixes = images, output, suffixes
+        self._images, self._folder, self._suffixes, self._kind = images, output, suffixes, kind
         remove_abandoned_drafts(output)
         self._earlier = _read_rows(output / SUMMARY_NAME)
         self.rows: dict[int, BatchRow] = {} if again else self._find_done_rows(plain)
         self.jobs = tuple(
             BatchJob(number, replace(plain, image=image), str(Path(image).absolute()), session, parameters, max_steps,
-                suffixes)
+                suffixes, str(output.absolute()), kind)
             for number, image in enumerate(images) if number not in self.rows
         )  # fmt: skip
         self._stems = self._find_free_stems()
         # their files will be replaced, and no row may outlive its files if the batch is killed
         replaced = {f"{stem}{suffix}".lower() for stem in self._stems.values() for suffix in suffixes}
         self._earlier = [row for row in self._earlier if replaced.isdisjoint(name.lower() for name in row.files)]
+
+    @property
+    def table_names(self) -> Texts:
+        """Names of the tables that join what all images have."""
+        joined = _TABLE_SUFFIXES[self._kind] in self._suffixes
+        return (SUMMARY_NAME, *([_JOINED_NAMES[self._kind]] if joined else []))
 
     def _find_done_rows(self, plain: BatchRow) -> dict[int, BatchRow]:
         """Return rows of images that an earlier batch did in the same way and whose files still exist."""
@@ -215,7 +247,7 @@ class Batch:
         tried: dict[str, int] = {}
         for job in self.jobs:
             start = make_printable(Path(job.row.image).stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
-            first = f"{start}_contours"
+            first = f"{start}_{self._kind}"
             for count in itertools.count(tried.get(first, 1)):
                 stem = first if count == 1 else f"{first}_{count}"
                 names = {f"{stem}{suffix}".lower() for suffix in self._suffixes}
@@ -239,8 +271,8 @@ class Batch:
         finally:
             self.rows = dict(sorted(self.rows.items()))
             self._write_table()
-        if _MEASURES_SUFFIX in self._suffixes:
-            self._write_measures()
+        for name in self.table_names[1:]:
+            self._join_tables(name)
 
     def _write_files(self, row: BatchRow, stem: str) -> BatchRow:
         """Write all files of an image, or none."""
@@ -267,16 +299,16 @@ class Batch:
             ]
         )
 
-    def _write_measures(self) -> None:
-        """Join the tables of measures of all images, one file at a time, with the image as the first column."""
+    def _join_tables(self, joined_name: str) -> None:
+        """Join the tables of all images, one file at a time, with the image as the first column."""
         files = [
             self._folder / name
             for row in self._list_table_rows()
             for name in row.files
-            if name.endswith(_MEASURES_SUFFIX)
+            if name.endswith(_TABLE_SUFFIXES[self._kind])
         ]
         with (
-            draft_files(self._folder / MEASURES_NAME) as (draft,),
+            draft_files(self._folder / joined_name) as (draft,),
             draft.open("w", encoding="utf-8", newline="") as stream,
         ):
             heads = set()
@@ -299,7 +331,7 @@ _LIST_COLUMNS = ("notes", "files")
 """Columns whose cells hold several items."""
 
 _FACT_COLUMNS: dict[str, Callable[[str], object]] = {
-    **dict.fromkeys(("contours", "closed", "particles", "steps"), int),
+    **dict.fromkeys(("objects", "contours", "closed", "particles", "steps"), int),
     "converged": "True".__eq__,
     "stop_reason": str,
     "seconds": float,

@@ -12,10 +12,7 @@ import numpy as np
 from cpm_core.cli.arguments import add_options, check_exports, check_targets, parse_whole_number
 from cpm_core.cli.inputs import (
     fit_parameters,
-    is_volume_session,
     locate_image,
-    method_of,
-    segment_shapes,
 )
 from cpm_core.cli.output import (
     OutputFiles,
@@ -50,6 +47,7 @@ from cpm_core.formats.contour_file import describe_plane, read_contours
 from cpm_core.formats.images.resolution import find_unit
 from cpm_core.formats.sessions.recorded_run import restore_shown_state
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, SessionFile, load_session
+from cpm_core.formats.sessions.session_run import is_volume_session, method_of, segment_shapes
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import Extent, JsonDict

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import glob
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from cpm_core.cli.output import print_message, print_notes
@@ -25,16 +25,11 @@ from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.sessions.session_file import SessionFile, adapt_reading, find_session_image, load_session
 from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.pages.follow import limit_scales
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value
-from cpm_core.results.result import Result
-from cpm_core.segmentation.evolve import DEFAULT_METHOD, SEEDED_METHODS, segment
-from cpm_core.shapes import Shape, Start
-from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds
+from cpm_core.shapes import Start
 from cpm_core.shapes.outlines import start_from_surface, starts_from_centerlines, starts_from_contours
 
 
@@ -89,11 +84,6 @@ def load_named_session(arguments: argparse.Namespace) -> SessionFile:
     return session
 
 
-def is_volume_session(session: SessionFile) -> bool:
-    """Tell whether a session is about a volume."""
-    return session.image is not None and len(session.image.shape) == 3
-
-
 def locate_image(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, JsonDict]:
     """Return the path of the named image, or else of the image of the session, and how to read it."""
     if source is not None:
@@ -109,8 +99,8 @@ def locate_image(named: str | None, session: SessionFile, source: str | Path | N
 
 def fit_parameters(image: Image, parameters: Parameters, *, scales: bool = True) -> Parameters:
     """Print the notes on an image, and return parameters with as many `scales` as it has room for."""
-    notes = image.notes if image.ndim == 3 else list_image_notes(image, parameters)
-    if scales and image.ndim == 2:
+    notes = list_image_notes(image, parameters)
+    if scales:
         parameters, more = fit_scales_to_image(parameters, image)
         notes += more
     print_notes(image.source, notes)
@@ -119,47 +109,19 @@ def fit_parameters(image: Image, parameters: Parameters, *, scales: bool = True)
 
 def fit_scales_to_image(parameters: Parameters, image: Image) -> tuple[Parameters, Texts]:
     """Return parameters with as many scales as an image has room for, and a note where that changes them."""
-    fit = limit_scales(parameters, image.shape)
+    fit = limit_scales(parameters, image.shape) if image.ndim == 2 else parameters
     return fit, () if fit == parameters else (f"The image is small: scales is set to {fit.scales}.",)
 
 
 def list_image_notes(image: Image, parameters: Parameters) -> Texts:
     """Return notes on the differences between the file of an image and the gray levels that a run takes."""
     wanted = parameters.channel
-    if wanted == "luminance":
+    if wanted == "luminance" or image.ndim == 3:
         return image.notes
     if image.colors is None:
         return (*image.notes, f"The image is gray: it has no channel {wanted}.")
     taken = f"The channel {wanted} of its colors was taken."
     return tuple(taken if note == LUMINANCE_NOTE else note for note in image.notes)
-
-
-def segment_shapes(
-    image: Image,
-    shapes: Sequence[Shape],
-    parameters: Parameters,
-    session: SessionFile,
-    *,
-    max_steps: int | None = None,
-    progress: Callable[[State], object] | None = None,
-    regions: AnyRegions | None = None,
-) -> Result:
-    """Run from shapes to a result, by the method of a session, with its barriers unless there are `regions`."""
-    return segment(
-        image,
-        compute_seeds(image, shapes, parameters.smoothing, parameters.channel),
-        parameters,
-        max_steps=max_steps,
-        progress=progress,
-        regions=regions or collect_regions(shapes, session.objects.barriers),
-        charges=collect_charges(shapes),
-        method=method_of(session),
-    )
-
-
-def method_of(session: SessionFile) -> str:
-    """Return the name of the method that runs from seeds in a session: that of its mode, if it has one of its own."""
-    return session.mode if session.mode in SEEDED_METHODS else DEFAULT_METHOD
 
 
 def read_starts(path: str, image: Image) -> tuple[Start, ...]:

@@ -19,7 +19,6 @@ from cpm_core.cli.arguments import (
 from cpm_core.cli.inputs import (
     fit_parameters,
     load_named_truth,
-    segment_shapes,
 )
 from cpm_core.cli.large import run_large
 from cpm_core.cli.output import (
@@ -52,14 +51,14 @@ from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenan
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, ImageFile, save_session
+from cpm_core.formats.sessions.session_run import segment_shapes
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects import Partition, Selection, VolumePartition
 from cpm_core.parameters.formatting import format_count, format_size
-from cpm_core.results import objects_result
+from cpm_core.results import replace_by_objects
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import SEEDED_METHODS
-from cpm_core.segmentation.select import select_all
 from cpm_core.shapes import SEEDING_KINDS
 
 _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
@@ -109,8 +108,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     named.add_argument(
         "--objects",
         action="store_true",
-        help="all objects: those that closed contours enclose, and what lies between contours and is likely one; they "
-        "are written instead of the contours (without a start, particles start everywhere)",
+        help="the objects that the run proposes, as the window does: of a start everywhere all of the image, of drawn "
+        "ones the object of each; they are written instead of the contours (without a start, particles start "
+        "everywhere)",
     )
     start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
     start.add_argument(
@@ -180,21 +180,17 @@ def _run_image(request: RunRequest) -> int:
     made = record_drawn_shapes(found, request.collect_drawn_shapes(image), request.describe_start_files())
     chosen: Sequence[Selection] = ()
     if request.is_volume:
-        result = shown = _select_bodies(made, request)
+        result, shown = made, _select_bodies(made, request)
     else:
         result = shown = made
-        if request.positive_points or request.all_objects:
-            parted = Partition.from_result(result)
-            chosen = (
-                select_all(parted)
-                if request.all_objects
-                else [parted.select(request.positive_points, request.negative_points)]
-            )
-            if request.positive_points and not chosen[0].mask.any():
+        if request.positive_points:
+            chosen = (Partition.from_result(result).select(request.positive_points, request.negative_points),)
+            if not chosen[0].mask.any():
                 raise ValueError("There is no object at this position: name another one inside it.")
-            boundary = objects_result(chosen, image, channel=result.channel)
-            drew = (*result.provenance.shapes, *boundary.provenance.shapes)
-            shown = replace(boundary, provenance=replace(result.provenance, method="objects", shapes=drew))
+        elif request.all_objects:
+            chosen = tuple(one for one in result.objects if isinstance(one, Selection))
+        if request.positive_points or request.all_objects:
+            shown = replace_by_objects(result, chosen)
     seconds = time.perf_counter() - started
     files = OutputFiles()
     files.export_result(
@@ -218,7 +214,7 @@ def _run_image(request: RunRequest) -> int:
         with files.record_writing(request.session_file):
             save_session(add_recorded_run(whole, recorder), Path(request.session_file))
     if request.is_volume:
-        facts, lines = _describe_surface(result, seconds)
+        facts, lines = _describe_surface(made, shown, seconds)
     else:
         facts, lines = _describe_contours(result, chosen, seconds)
         written = [path for path in files.written if path in request.exports]
@@ -231,7 +227,9 @@ def _run_image(request: RunRequest) -> int:
 
 
 def _select_bodies(found: Result, request: RunRequest) -> Result:
-    """Restrict the surface of a result to the bodies that contain the positive points, if any."""
+    """Restrict the surface of a result to the objects of the run, or to the bodies with the positive points, if any."""
+    if request.all_objects:
+        return replace_by_objects(found, found.objects)
     if not request.positive_points:
         return found
     chosen = VolumePartition.from_result(found).select(request.positive_points, request.negative_points)
@@ -279,9 +277,9 @@ def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: flo
     return facts, [*lines, *_describe_run(result, seconds)]
 
 
-def _describe_surface(result: Result, seconds: float) -> tuple[JsonDict, list[str]]:
-    """Describe a surface, as values by name and as sentences."""
-    surface = result.surface
+def _describe_surface(result: Result, shown: Result, seconds: float) -> tuple[JsonDict, list[str]]:
+    """Describe the surface that is shown of a result, as values by name and as sentences."""
+    surface = shown.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts: JsonDict = {
         **collect_run_facts(result, seconds),
@@ -291,6 +289,8 @@ def _describe_surface(result: Result, seconds: float) -> tuple[JsonDict, list[st
         "area": round(surface.area, 3) if surface is not None else None,
     }
     lines = [f"{result.source}: a surface of {format_count(faces, 'triangle')}, with {vertices:,} corners"]
+    if shown is not result and surface is not None:
+        lines[0] += f" around {format_count(surface.components, 'part')}"
     lines += _describe_run(result, seconds)
     if result.image is not None:
         facts |= collect_geometry_facts(result.image)

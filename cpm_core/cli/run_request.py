@@ -20,7 +20,7 @@ from cpm_core.cli.arguments import (
     parse_part,
     refuse_options,
 )
-from cpm_core.cli.inputs import is_volume_session, load_named_session, locate_image, read_starts
+from cpm_core.cli.inputs import load_named_session, locate_image, read_starts
 from cpm_core.field.volume_field import check_volume_parameters
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
@@ -33,6 +33,7 @@ from cpm_core.formats.common.atomic import check_target, check_writable, find_su
 from cpm_core.formats.images.ome_zarr import is_zarr, open_multiscale
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, SessionFile
+from cpm_core.formats.sessions.session_run import is_volume_session
 from cpm_core.formats.stack_files import STACKS_WRITABLE
 from cpm_core.image.colors import LUMINANCE_CHOICE
 from cpm_core.image.geometry import Convention
@@ -162,7 +163,7 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
     if numbers["not"] and not numbers["object"]:
         raise ValueError("--not is given without --object: name a position inside the object as well.")
     if arguments.objects:
-        refuse_options(arguments, ("object", "pages"), "one object, or a stack, but --objects finds all of an image")
+        refuse_options(arguments, ("object", "pages"), "one object, or a stack, but --objects finds those of a run")
     preset = arguments.preset or ("volume" if is_volume and not arguments.session else None)
     part = parse_part(arguments, volume=is_volume)
     parameters = parse_parameters(arguments, PRESETS[preset] if preset else session.parameters)
@@ -279,7 +280,7 @@ def _has_start(arguments: argparse.Namespace, session: SessionFile) -> bool:
 def _check_options(arguments: argparse.Namespace, session: SessionFile, is_volume: bool) -> None:
     """Raise ValueError for options that have no meaning for this run."""
     if is_volume:
-        refuse_options(arguments, ("circle", "objects", "pages", "save_session"), "images, but a volume is run")
+        refuse_options(arguments, ("circle", "pages", "save_session"), "images, but a volume is run")
     else:
         refuse_options(arguments, ("space",), "volumes, but an image is run")
     names_object = arguments.objects or (arguments.object and not is_volume)

@@ -16,18 +16,19 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, cast
 
-from cpm_core.cli.inputs import fit_scales_to_image, list_image_notes, segment_shapes
+from cpm_core.cli.inputs import fit_scales_to_image, list_image_notes
 from cpm_core.cli.output import collect_run_facts
-from cpm_core.formats import describe_omissions, load_image, to_bytes
+from cpm_core.formats import describe_omissions, set_relative_source, to_bytes
 from cpm_core.formats.common.content import missing_package_message, try_fingerprint
-from cpm_core.formats.common.provenance import VERSION, record_drawn_shapes
-from cpm_core.formats.images.reading import DEFAULT_READING
-from cpm_core.formats.sessions.session_file import SessionFile, adapt_reading
+from cpm_core.formats.common.provenance import VERSION
+from cpm_core.formats.sessions.session_file import SessionFile
+from cpm_core.formats.sessions.session_run import load_session_image, run
 from cpm_core.numerics.parallel import count_cores, limit_cores
 from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.parameters import Parameters
+from cpm_core.results import replace_by_objects
 from cpm_core.results.result import Result
 from cpm_core.warm_up import is_compiled, warm_up
 
@@ -40,6 +41,10 @@ _PROCESS_DIED = "The process that worked on it ended unexpectedly; perhaps there
 """Error of an image whose process died."""
 
 
+BatchKind = Literal["objects", "contours"]
+"""What is written of each image."""
+
+
 @frozen
 class BatchRow:
     """Outcome for one image.
@@ -49,7 +54,7 @@ class BatchRow:
     image : str
         The image as the user named it.
     facts : mapping
-        As in ``cpm run --json``; empty when it failed.
+        As in ``cpm run --json``, and the number of objects; empty when it failed.
     files : tuple of str
         Names of the files that were written, in the folder of the batch.
     trouble : str
@@ -80,6 +85,11 @@ class BatchRow:
     finished: str = ""
     contents: dict[str, bytes] = field(default_factory=dict)
 
+    @property
+    def found(self) -> int:
+        """Number of objects, or of contours where only those were written."""
+        return int(str(self.facts.get("objects", self.facts.get("contours", 0))))
+
 
 @frozen
 class BatchJob:
@@ -92,22 +102,24 @@ class BatchJob:
     parameters: Parameters
     max_steps: int | None
     suffixes: Texts  # formats to write
+    folder: str  # where they are written
+    kind: BatchKind = "objects"
 
 
 def run_job(job: BatchJob) -> BatchRow:
-    """Find the contours of one image; files are only encoded here, and the batch writes them."""
+    """Find the objects of one image, or its contours; files are only encoded here, and the batch writes them."""
     try:
         began = time.perf_counter()
-        named, shapes = job.session.image, job.session.shapes
-        image = load_image(
-            job.path, **adapt_reading(Path(job.path), DEFAULT_READING if named is None else named.reading)
-        )
+        image = load_session_image(job.path, job.session)
         parameters, small = fit_scales_to_image(job.parameters, image)
-        found = segment_shapes(image, shapes, parameters, job.session, max_steps=job.max_steps)
-        result = record_drawn_shapes(found, shapes)
-        facts = collect_run_facts(result, time.perf_counter() - began)
-        contents, notes = _encode_files(result, job.suffixes)
-        notes = (*list_image_notes(image, parameters), *small, *notes)
+        shown = result = run(image, job.session, parameters, job.max_steps)
+        facts = collect_run_facts(result, 0.0)
+        if job.kind == "objects":
+            facts["objects"] = len(result.objects)
+            shown = replace_by_objects(result, result.objects)
+        facts["seconds"] = round(time.perf_counter() - began, 3)
+        contents, omitted = _encode_files(shown, job) if facts.get("objects", 1) else ({}, ())
+        notes = (*list_image_notes(image, parameters), *small, *omitted)
         return replace(job.row, facts=facts, contents=contents, notes=notes, image_sha256=image.sha256)
     except Exception as error:  # a defect must not stop the other images
         reason = str(error)
@@ -119,16 +131,19 @@ def run_job(job: BatchJob) -> BatchRow:
         return replace(job.row, trouble=reason, image_sha256=try_fingerprint(Path(job.path)))
 
 
-def _encode_files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], Texts]:
+def _encode_files(result: Result, job: BatchJob) -> tuple[dict[str, bytes], Texts]:
     """Encode the files of a result by suffix, and note which hold less or fail; ValueError when all fail."""
     files: dict[str, bytes] = {}
     notes: list[str] = []
-    for suffix in suffixes:
+    for suffix in job.suffixes:
         try:
-            files[suffix] = to_bytes(result, suffix)
+            named = result
+            if suffix == ".labelme.json":  # which opens its image
+                named = cast("Result", set_relative_source(result, Path(job.folder) / suffix, Path(job.path)))
+            files[suffix] = to_bytes(named, suffix, image=job.path)
             notes += filter(None, [describe_omissions(result, suffix)])
         except ValueError as error:
-            if suffix == suffixes[-1] and not files:
+            if suffix == job.suffixes[-1] and not files:
                 raise
             notes.append(f"{suffix} was not written: {error}")
     return files, tuple(notes)

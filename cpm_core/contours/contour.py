@@ -77,7 +77,7 @@ class Contour(Curve):
     junctions : tuple of two bool
         Whether the first and the last vertex lie on a junction with other contours.
     measure_contrast : callable or None
-        Measures `contrast` (`field.region_contrast.mean_contrast`); None for a curve that was not found in an image.
+        Measures `contrast` (`field.region_contrast.MeanContrast`); None for a curve that was not found in an image.
     name : str
         Name of the object that it bounds, or empty.
     color : str

@@ -41,7 +41,7 @@ class Table(dict[str, Column]):
     --------
     >>> table = cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64))).table()
     >>> table
-    <Table 2 rows, label, name, area, area_filled, area_convex, perimeter, centroid-0, centroid-1, box…>
+    <Table 2 rows, label, name, area, area_filled, area_convex, perimeter, centroid-0, centroid-1, bbo…>
     >>> [round(float(area)) for area in table["area"]], table.units["area"]
     ([310, 309], 'px²')
     """
@@ -66,7 +66,7 @@ class Table(dict[str, Column]):
 
 
 _LENGTH_COLUMNS = (
-    "perimeter", "axis_major_length", "axis_minor_length", "equivalent_diameter_area", "centroid", "box"
+    "perimeter", "axis_major_length", "axis_minor_length", "equivalent_diameter_area", "centroid", "bbox"
 )  # fmt: skip
 """Prefixes of the columns that hold lengths."""
 
@@ -141,7 +141,7 @@ def measure_volume_objects(
     parts = [part for part in scipy.ndimage.find_objects(labels) if part is not None]
     ends = [[side.start for side in part] + [side.stop - 1 for side in part] for part in parts]
     columns |= {f"centroid-{axis}": column for axis, column in enumerate((centers * sides).T)}
-    columns |= {f"box-{k}": column for k, column in enumerate((np.reshape(ends, (-1, 6)) * np.tile(sides, 2)).T)}
+    columns |= {f"bbox-{k}": column for k, column in enumerate((np.reshape(ends, (-1, 6)) * np.tile(sides, 2)).T)}
     units = {"volume": f"{unit or 'px'}³", "equivalent_diameter": unit or "px"}
     return Table(
         {**columns, **_measure_gray_levels(numbers, labels, gray)}, _column_units(columns, unit or "px", "³") | units
@@ -169,7 +169,7 @@ def _measure_region(label: int, outlines: Contours, holes: Contours, sides: Arra
         "area_convex": hull,
         "perimeter": outer + sum(polyline.path_length(path) for path in cuts),
         **{f"centroid-{axis}": place for axis, place in enumerate(center)},
-        **{f"box-{k}": end for k, end in enumerate((*low, *high))},
+        **{f"bbox-{k}": end for k, end in enumerate((*low, *high))},
         **_fit_ellipse(net, center),
         "equivalent_diameter_area": float(np.sqrt(4.0 * area / np.pi)),
         "solidity": area / hull if hull > 0.0 else np.nan,

@@ -119,6 +119,8 @@ def sort_charges(charges: Sequence[PlacedCharge]) -> Charges:
 def check_charges(charges: Sequence[PlacedCharge], axes: int) -> Charges:
     """Return the charges in order; raise ValueError for a position with another number of axes than the image."""
     for charge in charges:
+        if not isinstance(charge, PlacedCharge):
+            raise ValueError(f"a charge is {quote_value(charge)} but must be a PlacedCharge.")
         if len(charge.position) != axes:
             wanted, of = ("(plane, row, col)", "a volume") if axes == 3 else ("(row, col)", "an image")
             raise ValueError(f"the position of a placed charge is {charge.position} but must be {wanted} in {of}.")

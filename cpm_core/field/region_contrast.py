@@ -6,10 +6,14 @@ both sides.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
 import numpy as np
 
 from cpm_core.field.interpolation import interpolate_field
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, record
 
 _HALF_DISK_RADIUS = 4.0
 """Constant part of the radius of the half disks that are compared [px]."""
@@ -24,9 +28,24 @@ _SAMPLE_SPOKES = 7
 """Number of directions of sampling points in a half disk."""
 
 
-def mean_contrast(values: Array, points: Array, normals: Array, smoothing: float) -> float:
-    """Return the mean of `region_contrast` along a contour with points and normals of shape (N, 2)."""
-    return float(region_contrast(values, points, normals, smoothing).mean())
+@record
+class MeanContrast:
+    """Measures the mean of `region_contrast` along a contour, which has the same arguments.
+
+    Pickled it is the number, so that no contour takes its image along.
+    """
+
+    values: Array
+    points: Array
+    normals: Array
+    smoothing: float
+
+    def __call__(self) -> float:
+        """Measure it."""
+        return float(region_contrast(self.values, self.points, self.normals, self.smoothing).mean())
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[object, ...]]:
+        return partial, (float, self())
 
 
 def region_contrast(values: Array, points: Array, normals: Array, smoothing: float) -> Array:

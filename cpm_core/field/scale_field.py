@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from copy import copy
 from dataclasses import field, replace
 from functools import cache, cached_property, partial
 from typing import Any
@@ -29,7 +28,7 @@ from cpm_core.numerics.grids import (
     window_shape,
 )
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Extent, Mask, Single, record
+from cpm_core.numerics.types import Array, Extent, Mask, Single, copy_with, record
 
 ON_EDGE_FORCE = 0.93
 """Interpolated |F_l| under which a particle is on an edge: across an edge it falls linearly through zero."""
@@ -226,14 +225,7 @@ class ScaleField:
 
     def with_barriers(self, barrier_map: BarrierMap) -> ScaleField:
         """Return this field with other barriers; everything already derived from it is kept."""
-        return self._with(barrier_map=barrier_map)
-
-    def _with(self, **changed: object) -> ScaleField:
-        """Return this field with other values, and with everything already derived from it."""
-        other = copy(self)
-        for name, value in changed.items():
-            object.__setattr__(other, name, value)
-        return other
+        return copy_with(self, barrier_map=barrier_map)
 
     @property
     def window(self) -> Window:
@@ -529,7 +521,8 @@ def limit_field(scale_field: ScaleField, area: Mask, floor: float) -> ScaleField
         _ = scale_field._windowed  # made once for all starts
     holding = max(floor, scale_field.holding)
     made_of = scale_field.exponent, scale_field.fixed_charges, scale_field.slopes, scale_field.edge_map
-    return scale_field._with(
+    return copy_with(
+        scale_field,
         force=cache(partial(pack_force, *made_of, holding, scale_field.cut)),
         holding=holding,
         floor=max(floor, scale_field.floor),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from copy import copy
 from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 from typing import Any, Literal, NamedTuple
@@ -22,7 +21,7 @@ from cpm_core.image.volume_regions import VolumeRegions, Walls
 from cpm_core.numerics.grids import extend_line, half_gaussian_weights, sum_across, sum_along
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
-from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, Single, record
+from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, Single, copy_with, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters import DEFAULT_VALUES, PLANE_PARAMETERS, Parameters
 from cpm_core.parameters.choices import Accuracy
@@ -183,9 +182,7 @@ class VolumeField:
 
     def with_walls(self, walls: Walls | None) -> VolumeField:
         """Return these fields with other walls; everything known of the fields is kept."""
-        other = copy(self)
-        object.__setattr__(other, "walls", walls)
-        return other
+        return copy_with(self, walls=walls)
 
     def crosses_wall(self, start: Array, end: Array) -> Mask:
         """Return a mask, shape (N,), of the straight moves, from and to shape (N, 3) [units], that cross a wall."""

@@ -82,6 +82,7 @@ from cpm_core.formats.surface_file import read_surface as read_surface
 from cpm_core.formats.writers import CENTERLINES_WRITABLE as CENTERLINES_WRITABLE
 from cpm_core.formats.writers import CONTOURS_WRITABLE as CONTOURS_WRITABLE
 from cpm_core.formats.writers import FIGURE_SUFFIXES as FIGURE_SUFFIXES
+from cpm_core.formats.writers import FORMATS_BY_NAME as FORMATS_BY_NAME
 from cpm_core.formats.writers import MASK_SUFFIXES as MASK_SUFFIXES
 from cpm_core.formats.writers import SKELETONS_WRITABLE as SKELETONS_WRITABLE
 from cpm_core.formats.writers import SURFACE_SUFFIXES as SURFACE_SUFFIXES
@@ -92,4 +93,5 @@ from cpm_core.formats.writers import describe_omissions as describe_omissions
 from cpm_core.formats.writers import encode_descriptions as encode_descriptions
 from cpm_core.formats.writers import export as export
 from cpm_core.formats.writers import find_format_suffix as find_format_suffix
+from cpm_core.formats.writers import find_named_suffix as find_named_suffix
 from cpm_core.formats.writers import to_bytes as to_bytes

@@ -49,8 +49,9 @@ def write_animation(
     frames: Iterable[Pixels],
     path: AnyPath,
     frames_per_second: float = 25.0,
-    progress: Callable[[int], object] | None = None,
+    *,
     comment: str = "",
+    progress: Callable[[int], object] | None = None,
 ) -> None:
     """Write frames as an animation that repeats for ever, or as a video, by suffix.
 
@@ -62,10 +63,10 @@ def write_animation(
         File to write; see `ANIMATIONS_WRITABLE` for the suffixes. It is replaced atomically at the end.
     frames_per_second : float
         Speed.
-    progress : callable, optional
-        Called with the number of frames taken; when it raises, nothing is written.
     comment : str
         Text in ASCII that the file carries.
+    progress : callable, optional
+        Called with the number of frames taken; when it raises, nothing is written.
 
     Raises
     ------

@@ -6,14 +6,16 @@ A new format is a module with a function that encodes a file, and an entry of `F
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
+from cpm_core.contours.surface import Surface
 from cpm_core.formats.common.atomic import check_target, find_suffix, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import make_printable
@@ -30,20 +32,19 @@ from cpm_core.formats.contours import (
     points_csv,
     svg,
 )
+from cpm_core.formats.exportable import Exportable, as_result
 from cpm_core.formats.masks import dicom_seg, itk_snap, labels, nifti, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.formats.meshes.coordinates import ExportMesh, build_mesh
 from cpm_core.image.geometry import Convention
+from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import JsonDict, Texts, frozen
+from cpm_core.numerics.types import JsonDict, Texts, copy_with, frozen
 from cpm_core.parameters.formatting import format_count, quote_value
 from cpm_core.results.result import Result
 
 _LOG = logging.getLogger(__name__)
-
-ExportableResult = Outcome | Centerlines
-"""Everything that can be exported."""
 
 
 @frozen
@@ -179,6 +180,15 @@ _FORMAT_SUFFIXES = tuple(one.suffix for one in FILE_FORMATS)
 CONTOURS_WRITABLE: dict[str, str] = {one.suffix: one.contours for one in FILE_FORMATS if one.contours}
 """Suffixes that contours can be exported to, some of two parts -> what is written."""
 
+FORMATS_BY_NAME: dict[str, str] = {
+    "csv": ".table.csv",
+    "masks": ".tif",
+    "labelme": ".labelme.json",
+    "coco": ".coco.json",
+    "imagej": ".zip",
+}
+"""Names of formats for objects -> their suffixes; every other format is named by its suffix, with or without dot."""
+
 SKELETONS_WRITABLE: dict[str, str] = {one.suffix: one.branches for one in FILE_FORMATS if one.branches}
 """Suffixes that a skeleton can be exported to -> what is written."""
 
@@ -201,34 +211,36 @@ _DESCRIBED_SUFFIXES = frozenset({".nii", ".nii.gz"})
 """Suffixes of masks without names, which a description of ITK-SNAP next to them holds."""
 
 _CLOSED_ONLY_SUFFIXES = MASK_SUFFIXES | {".coco.json"}
-"""Suffixes of files that hold no open contours."""
+"""Suffixes of files that hold no open contours, and the size of the image."""
 
 
 def export(
-    result: ExportableResult,
+    result: Exportable,
     *paths: AnyPath,
     outlines: bool = False,
-    image: AnyPath | None = None,
+    image: AnyPath | Image | None = None,
     space: Convention = "LPS",
     warn: Callable[[str], object] = _LOG.warning,
     refused: Callable[[Path, str], object] | None = None,
 ) -> None:
-    """Write contours, a skeleton, or center lines in a volume, in the format that each suffix names.
+    """Write contours, objects, labels, a surface, a skeleton or center lines, in the format that each suffix names.
 
     Everything is encoded before anything is written, and no incomplete file is ever left behind. Names or colors of
     objects in a NIfTI label mask are written next to it, as a label description of ITK-SNAP (.txt).
 
     Parameters
     ----------
-    result : Result, Skeleton or Centerlines
-        Outcome of a run, or of `skeleton`.
+    result : Result, Skeleton, Centerlines, Selection, VolumeSelection, Surface, sequence or ndarray
+        Outcome of a run, or of `skeleton`; one or several selected objects, or several contours; a surface; or labels,
+        whole numbers of shape (H, W) or (P, H, W), which masks hold as they are.
     *paths : path-like
         Files to write; see `CONTOURS_WRITABLE`, `VOLUMES_WRITABLE` and `CENTERLINES_WRITABLE` for suffixes. Existing
         ones are replaced.
     outlines : bool
         Whether masks hold contours as lines, open ones too, instead of the insides of closed ones.
-    image : path-like, optional
-        File of the image, or folder of the series, for files that refer to it (labelme, DICOM SEG).
+    image : Image or path-like, optional
+        The image that contours, a surface or labels lie in, for its size and place; or the file of the image, or the
+        folder of the series, for files that refer to it (labelme, DICOM SEG).
     space : {"LPS", "RAS"}
         Directions of x, y and z of surfaces and center lines, which the files state; see `Geometry`.
     warn : callable, optional
@@ -249,28 +261,47 @@ def export(
     >>> cpm.export(result, "disk.svg", "disk.measures.csv", "disk.tif")
     >>> int(cpm.load_image("disk.tif").values.max())
     1
+    >>> cpm.export(cpm.partition(result).select([(32, 32)]), "disk.geojson")
+    >>> cpm.export(result.labels + 4 * (result.labels > 0), "five.nii.gz", image=result.image)
     """
     files, contents = list(map(Path, paths)), []
     for file in files:
         check_export(file)
+    found, path = as_result(result, image if isinstance(image, Image) else None), _path_of(image)
     for file in files:
-        written = result
-        if find_format_suffix(file) == ".labelme.json" and image is not None and not isinstance(result, Centerlines):
-            written = labelme.set_relative_source(result, file, Path(image))
+        written = found
+        if find_format_suffix(file) == ".labelme.json" and path is not None and not isinstance(found, Centerlines):
+            written = labelme.set_relative_source(found, file, path)
         try:
-            content = to_bytes(written, find_format_suffix(file), outlines=outlines, space=space, image=image)
-            contents += [(file, content), *encode_descriptions(result, file, outlines=outlines)]
+            _check_extent(result, image, find_format_suffix(file))
+            content = to_bytes(written, find_format_suffix(file), outlines=outlines, space=space, image=path)
+            contents += [(file, content), *encode_descriptions(found, file, outlines=outlines)]
         except ValueError as error:
             if refused is None or (file is files[-1] and not contents):
                 raise
             refused(file, str(error))
     for file, _ in contents:
-        if missing := describe_omissions(result, find_format_suffix(file), outlines=outlines):
+        labels = isinstance(result, np.ndarray)  # of which nothing is left out
+        if not labels and (missing := describe_omissions(found, find_format_suffix(file), outlines=outlines)):
             warn(f"{file}: {missing}")
     write_together(contents)
 
 
-def encode_descriptions(result: ExportableResult, path: Path, *, outlines: bool = False) -> list[tuple[Path, bytes]]:
+def _path_of(image: AnyPath | Image | None) -> Path | None:
+    """Return the path of an image that is given by its file."""
+    return None if image is None or isinstance(image, Image) else Path(image)
+
+
+def _check_extent(given: Exportable, image: AnyPath | Image | None, suffix: str) -> None:
+    """Raise ValueError for contours or a surface alone in a file that is as large as their image."""
+    first = given[0] if isinstance(given, Sequence) else given
+    if suffix in _CLOSED_ONLY_SUFFIXES and isinstance(first, Contour | Surface) and not isinstance(image, Image):
+        raise ValueError(f"A {suffix} file is as large as an image, and none is known: name one by image=, an Image.")
+
+
+def encode_descriptions(
+    result: Outcome | Centerlines, path: Path, *, outlines: bool = False
+) -> list[tuple[Path, bytes]]:
     """Encode the file of names that belongs next to a label mask; empty for other files and without names.
 
     ValueError when there is another file of that name.
@@ -288,7 +319,7 @@ def encode_descriptions(result: ExportableResult, path: Path, *, outlines: bool 
     return [(beside, itk_snap.encode_label_description(named))] if named else []
 
 
-def count_left_out(result: ExportableResult, suffix: str, *, outlines: bool = False) -> int:
+def count_left_out(result: Outcome | Centerlines, suffix: str, *, outlines: bool = False) -> int:
     """Count the contours that a file with this suffix omits because they are open; see `export`."""
     if (
         isinstance(result, Skeleton | Centerlines)
@@ -299,7 +330,7 @@ def count_left_out(result: ExportableResult, suffix: str, *, outlines: bool = Fa
     return sum(not contour.closed for contour in result.contours)
 
 
-def describe_omissions(result: ExportableResult, suffix: str, *, outlines: bool = False) -> str:
+def describe_omissions(result: Outcome | Centerlines, suffix: str, *, outlines: bool = False) -> str:
     """Describe what a file with this suffix omits of a result, in a sentence or two; empty if nothing."""
     sentences = []
     count = count_left_out(result, suffix, outlines=outlines)
@@ -318,19 +349,19 @@ def describe_omissions(result: ExportableResult, suffix: str, *, outlines: bool 
 
 
 def to_bytes(
-    result: ExportableResult,
+    result: Exportable,
     suffix: str,
     *,
     outlines: bool = False,
     space: Convention = "LPS",
-    image: AnyPath | None = None,
+    image: AnyPath | Image | None = None,
 ) -> bytes:
     """Encode what `export` would write, for the clipboard and other places without a file.
 
     Parameters
     ----------
-    result : Result, Skeleton or Centerlines
-        Outcome of a run, or of `skeleton`.
+    result : Result, Skeleton, Centerlines, Selection, VolumeSelection, Surface, sequence or ndarray
+        What `export` takes.
     suffix : str
         One of `CONTOURS_WRITABLE`, or of `VOLUMES_WRITABLE` and `CENTERLINES_WRITABLE` for results of a volume. Text is
         encoded as UTF-8.
@@ -338,8 +369,8 @@ def to_bytes(
         Whether masks hold contours as lines.
     space : {"LPS", "RAS"}
         Directions of x, y and z of surfaces and center lines; see `export`.
-    image : path-like, optional
-        File of the image; see `export`.
+    image : Image or path-like, optional
+        The image, or its file; see `export`.
 
     Returns
     -------
@@ -357,31 +388,33 @@ def to_bytes(
     >>> cpm.to_bytes(result, ".svg")[:5]
     b'<?xml'
     """
-    file_format = next((one for one in FILE_FORMATS if one.suffix == suffix), None)
+    file_format = next((one for one in FILE_FORMATS if isinstance(suffix, str) and one.suffix == suffix), None)
     if file_format is None:
         raise ValueError(
             f"{quote_value(suffix)} names no format that can be written: choose one of {', '.join(_FORMAT_SUFFIXES)}."
         )
-    if isinstance(result, Skeleton) and result.lines is not None:
-        result = result.lines
-    if isinstance(result, Centerlines):
+    found = as_result(result, image if isinstance(image, Image) else None)
+    _check_extent(result, image, suffix)
+    if isinstance(found, Skeleton) and found.lines is not None:
+        found = found.lines
+    if isinstance(found, Centerlines):
         if not file_format.lines:
             raise ValueError(f'A file with the suffix "{suffix}" cannot contain center lines in a volume: choose .swc.')
     elif file_format.lines:
-        raise ValueError(f"{result.source} has no center lines in a volume, which {suffix} is for: find its skeleton.")
-    elif isinstance(result, Result) and result.surface is not None and not file_format.volume:
+        raise ValueError(f"{found.source} has no center lines in a volume, which {suffix} is for: find its skeleton.")
+    elif isinstance(found, Result) and found.surface is not None and not file_format.volume:
         raise ValueError(
-            f'{result.source} is a volume, but a file with the suffix "{suffix}" contains what lies in a plane: '
+            f'{found.source} is a volume, but a file with the suffix "{suffix}" contains what lies in a plane: '
             f"choose one of {', '.join(VOLUMES_WRITABLE)}."
         )
-    if not isinstance(result, Centerlines):
+    if not isinstance(found, Centerlines):
         contours = tuple(
             replace(contour, name=make_printable(contour.name), category=make_printable(contour.category))
-            for contour in result.contours
+            for contour in found.contours
         )
-        result = replace(result, contours=contours, source=make_printable(result.source))
-    options: JsonDict = {"outlines": outlines, "space": space, "image": None if image is None else Path(image)}
-    return file_format.encode(result, **{name: options[name] for name in file_format.options})
+        found = copy_with(found, contours=contours, source=make_printable(found.source))
+    options: JsonDict = {"outlines": outlines, "space": space, "image": _path_of(image)}
+    return file_format.encode(found, **{name: options[name] for name in file_format.options})
 
 
 def find_format_suffix(path: AnyPath) -> str:
@@ -391,6 +424,11 @@ def find_format_suffix(path: AnyPath) -> str:
     none.
     """
     return find_suffix(path, _FORMAT_SUFFIXES)
+
+
+def find_named_suffix(name: str) -> str:
+    """Return the suffix of a format that is named by one of `FORMATS_BY_NAME`, or by its suffix."""
+    return FORMATS_BY_NAME.get(name.lower(), f".{name.lower().lstrip('.')}")
 
 
 def check_export(path: AnyPath) -> None:

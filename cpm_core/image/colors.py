@@ -95,7 +95,7 @@ def full_scale(values: Numbers) -> float:
         return 1.0
     if values.dtype.kind in "ui":
         return float(np.iinfo(values.dtype).max)
-    return max(1.0, float(np.max(values, initial=1.0)))
+    return float(np.fmax.reduce(values, axis=None, initial=1.0))  # without NaN
 
 
 def reduce_to_gray(samples: Numbers, alpha: Numbers | None = None, white: float | None = None) -> ReducedSamples:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
 from dataclasses import InitVar, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from cpm_core.image import drawing
 from cpm_core.image.colors import (
@@ -26,7 +27,7 @@ from cpm_core.image.gray_levels import NO_DATA_VALUE, make_usable
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Mask, Numbers, Sides, Texts, record
-from cpm_core.parameters.formatting import format_repr, format_size, quote_value
+from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
 MINIMUM_SIDE = 8
 """Least number of pixels along each axis [px]: in smaller images the edges cannot be separated from the border."""
@@ -53,7 +54,7 @@ class Image(drawing.Pictured):
     ----------
     stored : array_like of real numbers, shape (H, W), (P, H, W), (H, W, 3) or (H, W, 4)
         Gray levels. They are copied, unless they are in an array that owns its memory and is read-only, and are then
-        read-only. Pixels without data, such as masked ones, are filled, and extreme gray levels divided by a power of
+        read-only. Pixels without data, masked ones and NaN, are filled, and extreme gray levels divided by a power of
         ten (`gray_levels.make_usable`). Three or four values a pixel are red, green, blue and opacity, from which
         `color` makes gray levels. Images of integers of one or two bytes keep their type, all others hold float64;
         `values` is float64 always.
@@ -86,8 +87,9 @@ class Image(drawing.Pictured):
     Raises
     ------
     ValueError
-        When `stored` is not a grid of two or three axes of finite real numbers, at least `MINIMUM_SIDE` pixels along
-        each, when `spacing` is not one positive number for each axis, or when `colors` has another shape.
+        When `stored` is not a grid of two or three axes of real numbers, at least `MINIMUM_SIDE` pixels along each,
+        when it holds infinite ones or no data at all, when `spacing` is not one positive number for each axis, or when
+        `colors` has another shape.
 
     Examples
     --------
@@ -110,6 +112,8 @@ class Image(drawing.Pictured):
     ('red', 220.0, 50.0)
     >>> cpm.Image(colored.colors.samples, color="contrast").notes
     ('The channel red of its colors was taken, which varies the most.',)
+    >>> np.asarray(image).shape, image.dtype.name, round(float(np.mean(image)), 1)
+    ((40, 60), 'float64', 38.1)
     >>> axes = image.plot()
     """
 
@@ -263,6 +267,14 @@ class Image(drawing.Pictured):
         """Number of axes."""
         return self.stored.ndim
 
+    @property
+    def dtype(self) -> np.dtype[np.float64]:
+        """Type of `values`, which the image is for NumPy."""
+        return np.dtype(np.float64)
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> Numbers:
+        return np.array(self.values, dtype, copy=copy)
+
 
 def _reduce_colors(samples: Numbers, color: str) -> ReducedSamples:
     """Reduce colors, shape (H, W, 3) or (H, W, 4), to gray levels; the colors are returned with luminance alone."""
@@ -296,27 +308,40 @@ def _check_gray_levels(source: str, given: Numbers, masked: Mask | None) -> tupl
 
     `masked`, shape (\*shape) or (\*shape, 3 or 4), marks pixels without data.
     """
+    with np.errstate(invalid="ignore"):  # of NaN of the signaling kind
+        masked = _find_absent(given, masked)
     small = given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _MAX_STORED_BYTES and masked is None
     dtype = given.dtype if small else np.dtype(np.float64)
     stays = given.flags.owndata and given.flags.c_contiguous and not given.flags.writeable  # nobody writes to it
     if masked is None and stays and given.dtype == dtype:
         stored = given
     else:
-        with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
+        with np.errstate(invalid="ignore"):
             stored = np.array(given, dtype, order="C")
     if masked is not None:
-        stored[masked if masked.shape == stored.shape else masked.any(axis=-1)] = NO_DATA_VALUE
+        if masked.all():
+            raise ValueError(f"{source} holds no data: all its values are NaN or masked.")
+        stored[masked] = NO_DATA_VALUE
         given = stored
     ends = float(given.min()), float(given.max())  # faster on few bytes per pixel than on eight
     if not all(map(math.isfinite, ends)):
         unusable = stored.size - int(np.isfinite(stored).sum())
         raise ValueError(
-            f"{source} holds {unusable} value{'' if unusable == 1 else 's'} that "
-            f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
+            f"{source} holds {format_count(unusable, 'infinite value')}: replace by NaN what has no data, the rest by "
+            "numbers."
         )
     stored, changes = make_usable(stored, ends)
     stored.flags.writeable = False
     return stored, changes
+
+
+def _find_absent(given: Numbers, masked: Mask | None) -> Mask | None:
+    r"""Find the pixels without data, shape (\*shape): those that are masked, and NaN; None without any mask or NaN."""
+    if masked is not None and masked.ndim > given.ndim:
+        masked = np.asarray(masked.any(axis=-1))
+    if given.dtype.kind != "f" or not math.isnan(float(given.min())):  # which is NaN if one is
+        return masked
+    return np.isnan(given) if masked is None else np.isnan(given) | masked
 
 
 def _check_spacing(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:
@@ -341,6 +366,8 @@ def as_plane(values: ArrayLike | Image) -> Image:
 
 def as_image(values: ArrayLike | Image) -> Image:
     """Convert values, shape (H, W) or (P, H, W), to an image or a volume."""
+    if isinstance(values, str | os.PathLike):
+        raise ValueError(f"{quote_value(os.fspath(values))} is a path, and no image: open it by load_image first.")
     return values if isinstance(values, Image) else Image(values)  # type: ignore[arg-type]
 
 

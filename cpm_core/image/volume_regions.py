@@ -350,6 +350,15 @@ class VolumeRegions:
 AnyRegions = Regions | VolumeRegions
 
 
+def check_regions(regions: AnyRegions | None, shape: Extent) -> None:
+    """Raise a `ValueError` unless regions, where there are any, fit an image or a volume of this shape."""
+    if regions is None:
+        return
+    if not isinstance(regions, Regions | VolumeRegions):
+        raise ValueError(f"regions is {quote_value(regions)} but must be Regions, or VolumeRegions in a volume.")
+    regions.check_shape(shape)
+
+
 @lru_cache(maxsize=_CACHED_REGIONS)
 def _build_walls(regions: VolumeRegions, shape: Extent) -> Walls:
     closed = _fill_limits(regions.barriers, shape, _fill_plane)

@@ -6,9 +6,8 @@ In a volume the first step finds the inside, the second its center lines, and th
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import field, replace
-from typing import ClassVar, Self, cast
+from typing import Any, ClassVar, Self, cast
 
 import numpy as np
 import scipy
@@ -31,8 +30,15 @@ from cpm_core.medial_axis.structure import DARK_POLARITY, Structure, find_axis, 
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, record
-from cpm_core.parameters import CHARGE_PARAMETERS, PRESETS, START_PARAMETERS, Parameters, find_invalidating
+from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, copy_with, record
+from cpm_core.parameters import (
+    CHARGE_PARAMETERS,
+    PRESETS,
+    START_PARAMETERS,
+    Parameters,
+    choose_parameters,
+    find_invalidating,
+)
 from cpm_core.parameters.formatting import format_repr, format_size, quote_value
 from cpm_core.parameters.provenance import Provenance, select_parameters
 from cpm_core.reconstruction.surface.pipeline import find_surface
@@ -137,7 +143,7 @@ class SkeletonMethod(ImageFields):
     ----------
     values : array_like, shape (H, W) or (P, H, W), or Image
         Image or volume.
-    parameters : Parameters, optional
+    parameters : Parameters or str, optional
         For the fields that are prepared first; by default the preset "noisy", or "volume".
     regions : Regions or VolumeRegions, optional
         Regions of interest.
@@ -160,7 +166,7 @@ class SkeletonMethod(ImageFields):
     def __init__(
         self,
         values: ArrayLike | Image,
-        parameters: Parameters | None = None,
+        parameters: Parameters | str | None = None,
         regions: AnyRegions | None = None,
         *,
         within: Within | None = None,
@@ -168,7 +174,7 @@ class SkeletonMethod(ImageFields):
     ) -> None:
         image = as_image(values)
         plane = image.ndim == 2
-        chosen = replace(parameters or PRESETS["noisy" if plane else "volume"], scales=1)
+        chosen = replace(choose_parameters(parameters, PRESETS["noisy" if plane else "volume"]), scales=1)
         super().__init__(image, chosen, _plane_regions(regions))
         self.regions = regions
         self._outside = outside
@@ -193,9 +199,10 @@ class SkeletonMethod(ImageFields):
 
     def for_objects(self, objects: Contours | Sequence[PackedBody]) -> Self:
         """Return the method for closed outlines, or bodies in a volume; without any for what it finds itself."""
-        other = copy(self)
-        other._within = tuple(objects)
-        return other
+        return copy_with(self, _within=tuple(objects))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _make_method, (self.image, self._latest, self.regions, self._within, self._outside)
 
     def start(self, seeds: ArrayLike = ()) -> SkeletonState:
         """Return the first state of a run; seeds, of any shape, have no effect."""
@@ -328,6 +335,13 @@ class SkeletonMethod(ImageFields):
         return format_repr("SkeletonMethod", self.image.source, format_size(self.image.shape, ""))
 
 
+def _make_method(
+    image: Image, parameters: Parameters, regions: AnyRegions | None, objects: tuple[Any, ...], outside: bool
+) -> SkeletonMethod:
+    """Make the method of an image for some objects, or for what it finds itself."""
+    return SkeletonMethod(image, parameters, regions, outside=outside).for_objects(objects)
+
+
 def _plane_regions(regions: AnyRegions | None) -> Regions | None:
     """Return the regions of interest in an image, without barriers."""
     return Regions(regions.interest) if isinstance(regions, Regions) and regions.interest else None
@@ -349,7 +363,7 @@ def _explain_no_skeleton(found: Structure) -> str:
 
 def skeleton(
     values: ArrayLike | Image,
-    params: Parameters | None = None,
+    parameters: Parameters | str | None = None,
     *,
     of: str | None = None,
     max_width: float | None = None,
@@ -365,7 +379,7 @@ def skeleton(
     ----------
     values : array_like, shape (H, W) or (P, H, W), or Image
         Image, whose border is no edge: an object continues beyond it. Or volume; one of two gray levels is a mask.
-    params : Parameters, optional
+    parameters : Parameters or str, optional
         For the edges, and where the following arguments are not given; by default the preset "noisy", or "volume".
     of : {"dark", "light", "auto"}, optional
         Objects darker, or lighter, than their surroundings on both sides; "auto" takes what most objects are, or, if
@@ -401,19 +415,19 @@ def skeleton(
     image = as_image(values)
     if of is not None and not (isinstance(of, str) and of in _POLARITY_CHOICES):
         raise ValueError(f"of is {quote_value(of)} but must be one of {', '.join(_POLARITY_CHOICES)}.")
-    params = params or PRESETS["noisy" if image.ndim == 2 else "volume"]
-    params = replace(
-        params,
-        polarity=params.polarity if of is None else _POLARITY_CHOICES[of],
-        max_width=params.max_width if max_width is None else max_width,
-        pruning=params.pruning if pruning is None else pruning,
+    given = choose_parameters(parameters, PRESETS["noisy" if image.ndim == 2 else "volume"])
+    chosen = replace(
+        given,
+        polarity=given.polarity if of is None else _POLARITY_CHOICES[of],
+        max_width=given.max_width if max_width is None else max_width,
+        pruning=given.pruning if pruning is None else pruning,
     )
-    for name, value in (("outside", outside), ("max_width", params.max_width)) if image.ndim == 3 else ():
+    for name, value in (("outside", outside), ("max_width", chosen.max_width)) if image.ndim == 3 else ():
         if value:
             raise ValueError(f"{name} is {quote_value(value)} but has no meaning in a volume: leave it out.")
-    method = SkeletonMethod(image, params, within=within, outside=outside)
+    method = SkeletonMethod(image, chosen, within=within, outside=outside)
     state = method.start()
     while not state.stop_reason:
-        state = method.step(state, params)
-    found = method.result(state, params)
+        state = method.step(state, chosen)
+    found = method.result(state, chosen)
     return found.lines or found

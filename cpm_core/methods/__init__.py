@@ -6,11 +6,13 @@ sets in `level_sets`, and the methods of scikit-image in `regions`.
 
 from cpm_core.methods.comparison import (
     CONTOUR_METHODS,
+    METHODS,
     MethodComparison,
     MethodStep,
     RunReport,
     build_method_result,
     iterate_method,
+    register_method,
     report_run,
     run_method,
 )
@@ -18,6 +20,7 @@ from cpm_core.methods.method import AnyMethod, ContourMethod, ContourState, Sett
 
 __all__ = [
     "CONTOUR_METHODS",
+    "METHODS",
     "AnyMethod",
     "ContourMethod",
     "ContourState",
@@ -28,6 +31,7 @@ __all__ = [
     "Start",
     "build_method_result",
     "iterate_method",
+    "register_method",
     "report_run",
     "run_method",
 ]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections import ChainMap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour, sample_contours
@@ -31,6 +33,7 @@ from cpm_core.numerics.types import Texts, frozen, record
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
+from cpm_core.segmentation.method import RUN_METHODS, Method, register_run_method
 
 _ALL_METHODS = (
     PARTICLE_METHOD,
@@ -45,8 +48,57 @@ _ALL_METHODS = (
     RANDOM_WALKER,
 )
 
-CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method for method in _ALL_METHODS})
+_known_contour_methods: dict[str, AnyMethod] = {method.name: method for method in _ALL_METHODS}
+
+CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType(_known_contour_methods)
 """All methods that can be compared, by name. A new one is a function with its settings, and a line above."""
+
+METHODS: Mapping[str, type[Method[Any]] | AnyMethod] = MappingProxyType(
+    ChainMap(RUN_METHODS, CONTOUR_METHODS)  # type: ignore[arg-type] # nothing is written
+)
+"""All methods by name: classes that run step by step, each a `Method`, and the classical ones for comparison."""
+
+NewMethod = TypeVar("NewMethod", bound=type[Method[Any]] | AnyMethod)
+"""A method to be registered."""
+
+
+def register_method(method: NewMethod) -> NewMethod:
+    """Add a method of your own to `METHODS`, so that it can be named like any other in this process.
+
+    Parameters
+    ----------
+    method : type or ContourMethod
+        A class with the attributes of `Method`, which `segment` and `evolve` then run by its name; or a method from a
+        drawn start, which `run_method` runs by its name and comparisons list.
+
+    Returns
+    -------
+    type or ContourMethod
+        The method, so that this can be the decorator of a class.
+
+    Raises
+    ------
+    ValueError
+        When it is neither, or there is a method with its name.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> @cpm.register_method
+    ... class Slow(cpm.Engine):
+    ...     name, title = "slow", "Half the time step"
+    ...     def step(self, state, parameters, charges=()):
+    ...         return super().step(state, replace(parameters, time_step=0.25), charges)
+    >>> cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), method="slow").provenance.method
+    'slow'
+    """
+    if getattr(method, "name", None) in METHODS:
+        raise ValueError(f"there is a method with the name {quote_value(method.name)}: choose another name.")
+    if isinstance(method, ContourMethod):
+        _known_contour_methods[method.name] = method
+    else:
+        register_run_method(method)
+    return method
 
 
 DEFAULT_METHODS = ("cpm", "gvf", "geodesic", "chan_vese")
@@ -104,20 +156,24 @@ class MethodStep:
         return format_repr("MethodStep", self.method.name, f"step {self.state.step}", f"{self.seconds:.3g} s")
 
 
-def iterate_method(method: AnyMethod, image: Image, start: Start, settings: Any = None) -> Iterator[MethodStep]:
-    """Run a method step by step; `settings` are the defaults of the method unless given.
+def iterate_method(
+    method: AnyMethod | str, values: ArrayLike | Image, start: Start, settings: Any = None
+) -> Iterator[MethodStep]:
+    """Run a method, or the one of `CONTOUR_METHODS` with a name, step by step; by default with its own settings.
 
     Examples
     --------
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
-    >>> for moment in cpm.iterate_method(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start):
+    >>> for moment in cpm.iterate_method("chan_vese", cpm.example("disk"), start):
     ...     if moment.state.step == 3:
     ...         break
     >>> len(moment.state.contours), moment.seconds > 0
     (1, True)
     """
+    if isinstance(method, str):
+        method = CONTOUR_METHODS.get(method, method)
     if not isinstance(method, ContourMethod):
-        raise ValueError(f"the method is {quote_value(method)} but must be one of CONTOUR_METHODS.")
+        raise ValueError(f"method is {quote_value(method)} but must be one of {', '.join(CONTOUR_METHODS)}.")
     if not isinstance(start, Start):
         raise ValueError(f"the start is {quote_value(start)} but must be a Start: Start((outline,)).")
     settings = method.defaults if settings is None else settings
@@ -125,7 +181,7 @@ def iterate_method(method: AnyMethod, image: Image, start: Start, settings: Any 
         raise ValueError(
             f"the settings are {quote_value(settings)} but must be {method.settings.__name__}, those of {method.title}."
         )
-    image = as_image(image)
+    image = as_image(values)
     if image.ndim == 3:
         raise ValueError(f"{image.source} is a volume, but methods are compared in images: take a slice of it.")
     began, seconds = time.perf_counter(), 0.0
@@ -136,14 +192,14 @@ def iterate_method(method: AnyMethod, image: Image, start: Start, settings: Any 
 
 
 def run_method(
-    method: AnyMethod, image: Image, start: Start, settings: Any = None, max_steps: int | None = None
+    method: AnyMethod | str, values: ArrayLike | Image, start: Start, settings: Any = None, max_steps: int | None = None
 ) -> MethodStep:
-    """Run a method to its end or to `max_steps`; the time of the last step includes that for the contours.
+    """Run a method, or the one with a name, to its end or to `max_steps`; its seconds include those for the contours.
 
     Examples
     --------
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
-    >>> moment = cpm.run_method(cpm.CONTOUR_METHODS["chan_vese"], cpm.example("disk"), start, max_steps=20)
+    >>> moment = cpm.run_method("chan_vese", cpm.example("disk"), start, max_steps=20)
     >>> len(moment.state.contours), moment.state.step
     (1, 20)
     """
@@ -151,7 +207,7 @@ def run_method(
         check_finite_number(
             "max_steps", max_steps, lambda count: count >= 0 and count == int(count), "at least 0, and whole"
         )
-    for last in iterate_method(method, image, start, settings):
+    for last in iterate_method(method, values, start, settings):
         if last.state.step == max_steps:
             break
     began = time.perf_counter()

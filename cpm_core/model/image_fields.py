@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from copy import copy
+from dataclasses import replace
 from functools import lru_cache, partial
 from threading import RLock
 from typing import Any, Self
@@ -27,11 +27,11 @@ from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField
 from cpm_core.field.scale_space import SourceImages, plane_field_builders
 from cpm_core.field.volume_field import check_volume_parameters, pitch_of, volume_field_builders
 from cpm_core.image.image import Image, as_image
-from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.image.volume_regions import AnyRegions, check_regions
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.parallel import run_in_parallel
-from cpm_core.numerics.types import Array
-from cpm_core.parameters import Parameters
+from cpm_core.numerics.types import Array, copy_with
+from cpm_core.parameters import Parameters, choose_parameters
 
 _MIN_BYTES_PER_PIXEL = {2: 80.0, 3: 12.0}
 """Least memory that a run needs for one pixel [bytes], by axes; in the plane 106 to 200 are measured."""
@@ -51,7 +51,7 @@ class ImageFields:
     ----------
     values : array_like, shape (H, W) or (P, H, W), or Image
         Image or volume.
-    parameters : Parameters, optional
+    parameters : Parameters or str, optional
         For the number of scales, and the fields to prepare at once.
     regions : Regions or VolumeRegions, optional
         Regions of interest, which particles do not leave, and barriers, which they do not cross; the whole image by
@@ -69,16 +69,15 @@ class ImageFields:
     def __init__(
         self,
         values: ArrayLike | Image,
-        parameters: Parameters | None = None,
+        parameters: Parameters | str | None = None,
         regions: AnyRegions | None = None,
         measured: FieldMeasure | None = None,
     ) -> None:
-        parameters = parameters or Parameters()
+        parameters = choose_parameters(parameters, Parameters())
         self._measured = measured
         self.image = as_image(values)
         shape = self.image.shape
-        if regions is not None:
-            regions.check_shape(shape)
+        check_regions(regions, shape)
         darkest, brightest = self.image.gray_range
         if darkest == brightest:
             raise ValueError(
@@ -124,10 +123,10 @@ class ImageFields:
             When the image has no edges in the regions of interest, or one of them contains no pixel.
         """
         others = regions is not None and (self.regions is None or regions.interest != self.regions.interest)
-        if regions is not None and others:
-            regions.check_shape(self.image.shape)
+        if others:
+            check_regions(regions, self.image.shape)
         same = (regions.interest if regions else ()) == (self.regions.interest if self.regions else ())
-        other = copy(self)
+        other = copy_with(self)
         other._set_regions(regions, self._free if same else None)
         if others:
             other._check_edges()
@@ -180,6 +179,10 @@ class ImageFields:
     def _charges_at_scale(self, charges: Sequence[PlacedCharge], scale: int) -> Array:
         """Return the position of each charge at a scale, and its strength; shape (K, D + 1)."""
         return charges_at_scale(check_charges(charges, self.image.ndim), scale, self.image.shape) * (*self._pitch, 1.0)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # the fields, of a hundred bytes a pixel, are computed again
+        return type(self), (self.image, replace(self._latest, scales=self.scales), self.regions, self._measured)
 
     def _check_edges(self) -> None:
         if not self.scale_field(self._latest).edge_map.any():

@@ -259,6 +259,8 @@ def field_divergence_centers(strength: Array, spacing: float) -> Array:
 
 def check_seeds(seeds: ArrayLike, shape: Extent, regions: AnyRegions | None) -> Array:
     """Check seeds, shape (N, D) [px of the image], and leave out those in places where no particle may be."""
+    if seeds is None or isinstance(seeds, str):
+        raise ValueError(f"seeds is {quote_value(seeds)} but must be positions: circle, uniform_grid, or any points.")
     points = as_real_array(seeds)
     if points.size == 0:
         raise ValueError("there are no particles to start with: draw a circle or click some points first.")

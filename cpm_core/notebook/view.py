@@ -36,7 +36,7 @@ _HELP_TEXT = "Click an object; Shift-click corrects it, Backspace removes it; Ct
 
 
 def notebook_view(values: ArrayLike | Image | Result, result: Result | None = None) -> NotebookView:
-    """Show an image with contours, or the slices of a volume with a surface, and select objects in it by clicks.
+    """Show an image with what a run found, or the slices of a volume, and select objects in it by clicks.
 
     Parameters
     ----------
@@ -77,14 +77,14 @@ class NotebookView(drawing.Pictured):
     partition : Partition or VolumePartition
         What objects are selected from.
     result : Result, optional
-        Its contours, or its surface, are shown.
+        Its contours, or its surface, are shown, and its objects are the first ones.
 
     Attributes
     ----------
     partition : Partition or VolumePartition
         What objects are selected from.
     objects : list of Selection or VolumeSelection
-        The objects clicked so far, the last click last.
+        Those that the run proposes, and those clicked so far, the last click last.
     selection : Selection or VolumeSelection or None
         The object that was clicked last, which can be corrected.
     plane : int or None
@@ -101,9 +101,11 @@ class NotebookView(drawing.Pictured):
     >>> bool(view.selection.mask[30, 46])
     False
     >>> view.remove()
-    >>> view.selection, int(cpm.objects_result(view.objects, view.partition.image).labels.max())
+    >>> view.selection, int(cpm.objects_result(view.objects).labels.max())
     (None, 1)
     >>> axes = view.plot()
+    >>> cpm.notebook_view(cpm.segment(cpm.example("disks"), cpm.uniform_grid((64, 64))))
+    <NotebookView disks, 2 objects>
     >>> slices = cpm.notebook_view(cpm.example("ball"))
     >>> slices.show_plane(12)
     >>> slices.plane
@@ -112,7 +114,7 @@ class NotebookView(drawing.Pictured):
 
     def __init__(self, partition: Partition | VolumePartition, result: Result | None = None) -> None:
         self.partition = partition
-        self.objects: list[Selection | VolumeSelection] = []
+        self.objects: list[Selection | VolumeSelection] = [] if result is None else list(result.objects)
         self.selection: Selection | VolumeSelection | None = None
         self.plane = partition.shape[0] // 2 if len(partition.shape) == 3 else None
         self._results, self._message = [result] if result is not None else [], _HELP_TEXT

@@ -64,15 +64,30 @@ Callback = Callable[[], object]
 """Function without arguments."""
 
 _Kind = TypeVar("_Kind")
+_Given = TypeVar("_Given")
+
+
+def _get_fields(given: Any) -> JsonDict:
+    """Return the fields of a dataclass by name: what is pickled, as all else is computed from them when asked for."""
+    return {name: vars(given)[name] for name in given.__dataclass_fields__ if name in vars(given)}
+
+
+def copy_with(given: _Given, **changed: Any) -> _Given:
+    """Copy an object with other attributes, and with all that it has computed and kept."""
+    other = object.__new__(type(given))
+    vars(other).update(vars(given), **changed)
+    return other
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
 def frozen(kind: type[_Kind]) -> type[_Kind]:
     """Make a frozen dataclass whose instances are equal if their fields are."""
+    kind.__getstate__ = _get_fields  # type: ignore[assignment]
     return dataclass(frozen=True)(kind)
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
 def record(kind: type[_Kind]) -> type[_Kind]:
     """Make a frozen dataclass whose instances are equal only to themselves, since arrays are not compared."""
+    kind.__getstate__ = _get_fields  # type: ignore[assignment]
     return dataclass(frozen=True, eq=False)(kind)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.interpolation import interpolate_field
-from cpm_core.field.region_contrast import mean_contrast
+from cpm_core.field.region_contrast import MeanContrast
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Arrays, Index, Mask, Single, record
@@ -269,7 +268,7 @@ def _build_outline(points: Array, free: Mask, guides: BoundaryGuides) -> ObjectO
     middle = 0.5 * (path[1:] + path[:-1])
     strength = float(interpolate_field(guides.strength[None], middle)[:, 0] @ lengths / lengths.sum())
     along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    sides = partial(mean_contrast, guides.values, points, along[:, ::-1] * (-1.0, 1.0), OBJECT_SMOOTHING)
+    sides = MeanContrast(guides.values, points, along[:, ::-1] * (-1.0, 1.0), OBJECT_SMOOTHING)
     bridged = free & np.roll(free, -1)
     row, col = points.T
     hole = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row) < 0.0  # the pixels are on the right hand

@@ -41,7 +41,7 @@ from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction,
 from cpm_core.objects.selection import Selection, compute_iou
 from cpm_core.objects.vessels import find_vessel_tree
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
-from cpm_core.parameters.formatting import format_count, format_repr, format_size
+from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
 NO_POINTS = np.empty((0, 2))
 """An empty array of points."""
@@ -72,6 +72,12 @@ _MIN_DRAWN_SHARE = 0.1
 
 _NO_OBJECT_REMARK = "No object was found around these points: only their own pixels are selected."
 """Remark on a selection that holds only the pixels of its points."""
+
+_LEAST_CONFIDENCE = 0.05
+"""Confidence below which an answer has a remark: of twenty such answers not one is an object."""
+
+_UNLIKELY_REMARK = "There may be no object here: the confidence is almost zero."
+"""Remark on a selection of almost no confidence, as in the background."""
 
 
 class Candidate(NamedTuple):
@@ -344,7 +350,7 @@ class Partition(drawing.Pictured):
         return Candidate(self._keep_connected(found.mask, request.prompt, request.free))
 
     def _build_answer(self, found: Candidate, request: _Request) -> Selection:
-        """Build the selection of a candidate, with a remark if it holds only the pixels of the points.
+        """Build the selection of a candidate, with a remark if hardly anything says that it is an object.
 
         What has not changed stays the previous selection: another point that says the same makes it no more likely.
         """
@@ -352,7 +358,9 @@ class Partition(drawing.Pictured):
         if previous is not None and np.array_equal(found.mask, previous.mask):
             return replace(previous, inside=inside, outside=outside, remark=remark)
         answer = self.build_selection(found.mask, inside, outside, remark, found.features, found.unambiguous)
-        return replace(answer, remark=_NO_OBJECT_REMARK) if answer.has_only_points and not remark else answer
+        if not remark and answer.has_only_points:
+            return replace(answer, remark=_NO_OBJECT_REMARK)
+        return answer if remark or answer.confidence >= _LEAST_CONFIDENCE else replace(answer, remark=_UNLIKELY_REMARK)
 
     def _select_others(self, request: _Request, first: Mask, answers: Iterator[Candidate]) -> Iterator[Selection]:
         """Select the other objects that a request may mean besides the first one, shape (H, W)."""
@@ -378,6 +386,8 @@ class Partition(drawing.Pictured):
         )
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
+        if previous is not None and not isinstance(previous, Selection):
+            raise ValueError(f"previous is {quote_value(previous)} but must be a selection.")
         free = self.interest
         if excluded is not None:
             if excluded.shape != self.shape:
@@ -530,7 +540,7 @@ class Partition(drawing.Pictured):
         them.
         """
         if not mask.any():
-            return Selection(mask, (), (), 0.0, inside, outside, remark)
+            return Selection(mask, (), (), 0.0, inside, outside, remark, image=self.image)
         found = self.outline_mask(mask)
         if features is None:
             places = len(inside) + len(outside)
@@ -542,7 +552,8 @@ class Partition(drawing.Pictured):
         features = features._replace(unambiguous=unambiguous)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
-        return Selection(mask, contours, gaps, estimate_confidence(features), inside, outside, remark, features)
+        confidence = estimate_confidence(features)
+        return Selection(mask, contours, gaps, confidence, inside, outside, remark, features, self.image)
 
     def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
         """Remove pixels from a selection, masks of shape (H, W), and what they cut off from its positive points."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
+from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Arrays, Mask, record
 from cpm_core.objects.confidence import ConfidenceFeatures
 from cpm_core.parameters.formatting import format_count, format_repr
@@ -28,9 +29,11 @@ class Selection(drawing.Pictured):
     inside, outside : ndarray, shape (M, 2) and (K, 2)
         The positive and negative points of the prompt [px].
     remark : str
-        One sentence on what was unusual about the points, or empty.
+        One sentence on what was unusual about the points, or on an answer of almost no confidence; else empty.
     features : ConfidenceFeatures or None
         Features that the confidence was estimated from.
+    image : Image or None
+        The image that it was selected in; None where that is not known.
 
     Examples
     --------
@@ -52,6 +55,7 @@ class Selection(drawing.Pictured):
     outside: Array
     remark: str = ""
     features: ConfidenceFeatures | None = None
+    image: Image | None = None
 
     @property
     def has_boundary(self) -> bool:

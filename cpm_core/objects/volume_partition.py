@@ -395,8 +395,8 @@ class VolumeSelection:
     True
     >>> chosen.contains(np.array([(15.0, 15.0, 15.0), (2.0, 2.0, 2.0)])).tolist()
     [True, False]
-    >>> chosen.packed_body.surface.closed, chosen.body is None
-    (True, True)
+    >>> chosen.packed_body.surface.closed, chosen.body is None, chosen.image.source
+    (True, True, 'ball')
     """
 
     partition: VolumePartition = field(repr=False)
@@ -431,6 +431,11 @@ class VolumeSelection:
             if self.body is not None and self.remark != _CONFLICTING_POINT_REMARK:
                 part[tuple((voxels - first).T)] = within
         return first, part
+
+    @property
+    def image(self) -> Image:
+        """The volume that it was selected in."""
+        return self.partition.image
 
     @cached_property
     def packed_body(self) -> PackedBody:

@@ -13,10 +13,11 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import max_scales
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.types import Extent
+from cpm_core.model.state import State
+from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.pages.page import Page, strip_image
 from cpm_core.pages.tracks import Tracker
-from cpm_core.parameters import Parameters
+from cpm_core.parameters import Parameters, choose_parameters
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
@@ -29,13 +30,14 @@ Seeds = ArrayLike | Callable[[Image], ArrayLike]
 def follow_pages(
     pages: Sequence[ArrayLike | Image],
     seeds: Seeds,
-    parameters: Parameters | None = None,
+    parameters: Parameters | str | None = None,
     *,
     numbers: Sequence[int] | None = None,
     fresh: bool = False,
     max_steps: int | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
+    progress: Callable[[State], object] | None = None,
 ) -> Iterator[Page]:
     """Find the contours on each page of a stack, and follow objects from page to page.
 
@@ -45,13 +47,13 @@ def follow_pages(
         The pages, each an image; those of `load_pages` are read one at a time.
     seeds : array_like, shape (N, 2), or callable
         Where particles start on the first page, (row, col) [px], or a function that gives it for an image.
-    parameters : Parameters, optional
+    parameters : Parameters or str, optional
         As for `segment`; pages too small for all scales use fewer.
     numbers : sequence of int, optional
         Which pages, from 1, in the order in which they are followed; all by default.
     fresh : bool
         Whether each page starts from `seeds` rather than from the contours of the last page that has any.
-    max_steps, regions, charges
+    max_steps, regions, charges, progress
         As for `segment`, on every page.
 
     Yields
@@ -75,7 +77,7 @@ def follow_pages(
     """
     if not _is_sequence(pages):
         raise ValueError(f"pages is {quote_value(pages)} but must be a sequence of images, such as load_pages(path).")
-    count = len(pages)
+    count, given = len(pages), choose_parameters(parameters, Parameters())
     wanted = range(1, count + 1) if numbers is None else numbers
     if not _is_sequence(wanted):
         raise ValueError(f"numbers is {quote_value(numbers)} but must be a sequence of the numbers of pages.")
@@ -91,8 +93,9 @@ def follow_pages(
                 start = seeds(image) if callable(seeds) else seeds
                 if follower.next_starts and not fresh:
                     start = collect_seeds(follower.next_starts)
-                chosen = limit_scales(parameters or Parameters(), image.shape)
-                found = segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
+                chosen = limit_scales(given, image.shape)
+                limits: JsonDict = {"max_steps": max_steps, "regions": regions, "charges": charges}
+                found = segment(image, start, chosen, progress=progress, **limits)
             except (ValueError, MemoryError) as error:
                 yield Page(number, None, error=describe_error(error))
             else:

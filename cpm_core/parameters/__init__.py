@@ -7,6 +7,7 @@ from cpm_core.parameters.parameters import DEFAULT_VALUES as DEFAULT_VALUES
 from cpm_core.parameters.parameters import PLANE_PRESETS as PLANE_PRESETS
 from cpm_core.parameters.parameters import PRESETS as PRESETS
 from cpm_core.parameters.parameters import Parameters as Parameters
+from cpm_core.parameters.parameters import choose_parameters as choose_parameters
 from cpm_core.parameters.provenance import Provenance as Provenance
 from cpm_core.parameters.provenance import select_parameters as select_parameters
 from cpm_core.parameters.table import AUTOMATIC_PARAMETERS as AUTOMATIC_PARAMETERS

@@ -6,8 +6,10 @@ change invalidates. The window's sliders, the command line's flags and the error
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from types import MappingProxyType
 from typing import Literal, cast
 
 import numpy as np
@@ -198,21 +200,35 @@ _AUTOMATIC_PRESET = Parameters(
 )
 """Settings for automatic segmentation, from which other presets are derived."""
 
-PRESETS = {
-    "shape": Parameters(reach=2.0, weakest_edge=0.5),
-    "automatic": _AUTOMATIC_PRESET,
-    "vessels": Parameters(
-        w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.05, max_border=0.08, min_length=30.0, edges="vessels"
-    ),
-    "noisy": Parameters(smoothing="auto"),
-    "published": Parameters(),
-    "fluorescence": replace(_AUTOMATIC_PRESET, smoothing=4.0),
-    "angiogram": replace(_AUTOMATIC_PRESET, gamma=1.0, sure_edge=0.4, edges="vessels"),
-    "ultrasound": replace(_AUTOMATIC_PRESET, smoothing=6.0, sure_edge=0.7),
-    "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing="auto", edge_floor=0.16, scales=1),
-}
+PRESETS: Mapping[str, Parameters] = MappingProxyType(
+    {
+        "shape": Parameters(reach=2.0, weakest_edge=0.5),
+        "automatic": _AUTOMATIC_PRESET,
+        "vessels": Parameters(
+            w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.05, max_border=0.08, min_length=30.0, edges="vessels"
+        ),
+        "noisy": Parameters(smoothing="auto"),
+        "published": Parameters(),
+        "fluorescence": replace(_AUTOMATIC_PRESET, smoothing=4.0),
+        "angiogram": replace(_AUTOMATIC_PRESET, gamma=1.0, sure_edge=0.4, edges="vessels"),
+        "ultrasound": replace(_AUTOMATIC_PRESET, smoothing=6.0, sure_edge=0.7),
+        "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing="auto", edge_floor=0.16, scales=1),
+    }
+)
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images,
 automatic segmentation of kinds of images whose boundaries other settings find better, and volumes (section 5.4)."""
 
 PLANE_PRESETS = {name: preset for name, preset in PRESETS.items() if name != "volume"}
 """Presets for images: all but the one for volumes."""
+
+
+def choose_parameters(given: Parameters | str | None, default: Parameters) -> Parameters:
+    """Return the parameters that a caller names: those given, a preset by its name, or the default for None.
+
+    ValueError for anything else.
+    """
+    if given is None or isinstance(given, Parameters):
+        return given or default
+    if isinstance(given, str) and given in PRESETS:
+        return PRESETS[given]
+    raise ValueError(f"parameters is {quote_value(given)} but must be Parameters, or one of {', '.join(PRESETS)}.")

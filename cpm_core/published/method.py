@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from typing import ClassVar, Self
+from functools import lru_cache, partial
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,13 +27,13 @@ from cpm_core.field.placed_charges import (
 )
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale, to_image, to_scale
-from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.image.volume_regions import AnyRegions, check_regions
 from cpm_core.model import EPSILON_BOUND, interventions
 from cpm_core.model.measures import Forces, state_metrics
 from cpm_core.model.starts import check_seeds, is_allowed, is_inside_image
 from cpm_core.model.state import Particles, State
-from cpm_core.numerics.types import Array, Arrays, Texts
-from cpm_core.parameters import Parameters
+from cpm_core.numerics.types import Array, Arrays, Texts, copy_with
+from cpm_core.parameters import Parameters, choose_parameters
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 from cpm_core.parameters.provenance import select_parameters
 from cpm_core.published import dynamics
@@ -93,7 +92,7 @@ class Published:
     ----------
     values : array_like, shape (H, W) or (P, H, W), or Image
         Image or volume.
-    parameters : Parameters, optional
+    parameters : Parameters or str, optional
         For the number of scales.
     regions : Regions or VolumeRegions, optional
         Regions of interest and barriers.
@@ -129,7 +128,7 @@ class Published:
     def __init__(
         self,
         values: ArrayLike | Image,
-        parameters: Parameters | None = None,
+        parameters: Parameters | str | None = None,
         regions: AnyRegions | None = None,
         *,
         field: str = "exact",
@@ -138,10 +137,10 @@ class Published:
         skeleton: bool = False,
     ) -> None:
         self.image, self.regions = as_image(values), regions
-        self.scales = (parameters or Parameters()).scales
+        self.scales = choose_parameters(parameters, Parameters()).scales
         check_scales(self.scales, self.image.shape)
-        if regions is not None:
-            regions.check_shape(self.image.shape)
+        check_regions(regions, self.image.shape)
+        self._choices: dict[str, Any] = {"field": field, "coulomb": coulomb, "lorentz": lorentz, "skeleton": skeleton}
         self._field, self._skeleton = FIELDS[field], skeleton
         self._normalize, self._normalize_lorentz = NORMALIZATIONS[coulomb], NORMALIZATIONS[lorentz]
         self._pyramid = lru_cache(1)(lambda channel: build_pyramid(self.image.gray_levels(channel), self.scales))
@@ -158,11 +157,11 @@ class Published:
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
         """Return the method with other regions."""
-        if regions is not None:
-            regions.check_shape(self.image.shape)
-        other = copy(self)
-        other.regions = regions
-        return other
+        check_regions(regions, self.image.shape)
+        return copy_with(self, regions=regions)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), **self._choices), (self.image, Parameters(scales=self.scales), self.regions)
 
     def start(self, seeds: ArrayLike) -> PublishedState:
         """Return the first state of a run from points, shape (N, D) [px], at the coarsest scale."""

@@ -4,55 +4,65 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import Bridge, Contour
+from cpm_core.contours.contour import Bridge, Contour, Label
+from cpm_core.contours.surface import Surface, join_surfaces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Extent, Sides
+from cpm_core.numerics.types import Array, Extent, Sides
 from cpm_core.objects.outline import OBJECT_SMOOTHING
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import VolumeSelection, require_image
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
 
 
 def objects_result(
-    selections: Sequence[Selection], image: Image, names: Sequence[str] = (), channel: str = "luminance"
+    selections: Sequence[Selection] | Sequence[VolumeSelection],
+    image: Image | None = None,
+    names: Sequence[str] = (),
+    channel: str = "luminance",
 ) -> Result:
-    """Make a result whose contours are the boundaries of objects.
+    """Make a result whose contours, or whose surface, are the boundaries of objects.
 
     Parameters
     ----------
-    selections : sequence of Selection
-        Objects in one image.
-    image : Image
-        The image.
+    selections : sequence of Selection or VolumeSelection
+        Objects in one image, or bodies in one volume.
+    image : Image, optional
+        The image; by default that of the selections.
     names : sequence of str, optional
-        Name of each object; ``"object 1"``, ``"object 2"`` and so on by default.
+        Name of each object; ``"object 1"``, ``"object 2"`` and so on by default. Bodies have numbers only.
     channel : str, optional
         Channel of a color image whose edges the objects follow.
 
     Returns
     -------
     Result
-        All contours of an object share its number as their `Contour.group`, so that label masks have one label for each
-        object and none in its holes. Its gaps are the `bridges`.
+        All contours of an object share its number as their `Contour.group`, and all triangles of a body have it in
+        `Surface.numbers`, so that labels have one number for each object and none in its holes. Gaps are the
+        `bridges`.
 
     Raises
     ------
     ValueError
-        When `names` are not texts, or not one for each object.
+        When there is no object, or `names` are not texts, or not one for each object.
 
     Examples
     --------
     >>> image = cpm.example("disks")
     >>> chosen = cpm.partition(image).select([(32, 18)])
-    >>> cpm.objects_result([chosen], image, ["left"]).contours[0].name
+    >>> cpm.objects_result([chosen], names=["left"]).contours[0].name
     'left'
+    >>> body = cpm.partition(cpm.example("ball")).select([(15, 15, 15)])
+    >>> cpm.objects_result([body]).labels.max(), cpm.objects_result([body]).table()["label"]
+    (np.int32(1), array([1]))
     """
     if isinstance(names, str) or not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
         raise ValueError(
@@ -60,27 +70,56 @@ def objects_result(
         )
     if names and len(names) != len(selections):
         raise ValueError(f"there are {len(names)} names for {len(selections)} objects: give one for each.")
-    titles = names or [f"object {number}" for number in range(1, len(selections) + 1)]
-    contours = [
-        replace(contour, group=number, name=title)
-        for number, (selection, title) in enumerate(zip(selections, titles, strict=True), start=1)
-        for contour in selection.contours
+    image = image or next((one.image for one in selections if one.image is not None), None)
+    if image is None:
+        raise ValueError("no image is known for the objects: name it, or select objects of an image.")
+    titles = list(names) or [f"object {number}" for number in range(1, len(selections) + 1)]
+    parts: list[tuple[Label, Any]] = [
+        (Label(number, title), one) for number, (one, title) in enumerate(zip(selections, titles, strict=True), start=1)
     ]
-    strength = edge_map(image.gray_levels(channel), OBJECT_SMOOTHING)
-    bridges = []
-    for gap in (gap for selection in selections for gap in selection.gaps):
-        mean = float(interpolate_field(strength[None], polyline.sample_path(gap, 1.0)).mean())
-        bridges.append(Bridge(gap, polyline.path_length(gap), mean))
     place = (image.shape, image.spacing, image.unit, image.source)
+    if image.ndim == 3:
+        found = replace(boundaries_result((), (), *place), surface=_join_bodies(parts, image))
+    else:
+        contours = [replace(line, group=to.number, name=to.name) for to, one in parts for line in one.contours]
+        found = boundaries_result(
+            contours, _measure_gaps([gap for _, one in parts for gap in one.gaps], image, channel), *place
+        )
     taken = image.resolve_channel(channel)
     clicks = tuple(
         {"shape": "object", "inside": selection.inside.tolist(), "outside": selection.outside.tolist()}
         for selection in selections
     )
+    taken = image.resolve_channel(channel)
     made = Provenance(
         "objects", {"channel": taken}, shapes=clicks, sha256=image.sha256, of_file=bool(image.file_sha256)
     )
-    return replace(boundaries_result(contours, bridges, *place), image=image, channel=taken, provenance=made)
+    return replace(found, image=image, channel=taken, provenance=made)
+
+
+def _join_bodies(bodies: Sequence[tuple[Label, VolumeSelection]], image: Image) -> Surface | None:
+    """Join the surfaces of bodies, each with its label; None without any surface."""
+    kept = [(label, body.surface) for label, body in bodies if body.has_boundary]
+    if not kept:
+        return None
+    joined = join_surfaces([(label.number, surface) for label, surface in kept], image.spacing, image.unit)
+    return replace(joined, labels=tuple(label for label, _ in kept))
+
+
+def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bridge]:
+    """Measure the gaps of outlines, each of shape (K, 2) [px], in their image."""
+    if not gaps:
+        return []
+    strength = edge_map(image.gray_levels(channel), OBJECT_SMOOTHING)
+    means = (interpolate_field(strength[None], polyline.sample_path(gap, 1.0)).mean() for gap in gaps)
+    return [Bridge(gap, polyline.path_length(gap), float(mean)) for gap, mean in zip(gaps, means, strict=True)]
+
+
+def replace_by_objects(result: Result, selections: Sequence[Selection | VolumeSelection]) -> Result:
+    """Replace what a run found by objects selected from it; the provenance is that of the run, with the objects."""
+    found = objects_result(selections, require_image(result), channel=result.channel)
+    drawn = (*result.provenance.shapes, *found.provenance.shapes)
+    return replace(found, provenance=replace(result.provenance, method="objects", shapes=drawn))
 
 
 def boundaries_result(
@@ -93,7 +132,7 @@ def boundaries_result(
 ) -> Result:
     """Build a result from the boundaries of objects and their gaps, in the image that the others describe."""
     return Result(
-        np.empty((0, 2)),
+        np.empty((0, len(shape))),
         tuple(contours),
         None,
         0,

@@ -25,6 +25,7 @@ from cpm_core.numerics.types import Array, Arrays, Extent, Sides, record
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.parameters.provenance import Provenance
+from cpm_core.results.found_objects import FoundObjects, find_objects
 
 _MAX_DRAWN_LABELS = 400
 """Largest number of labels written into a picture."""
@@ -66,6 +67,8 @@ class Result(drawing.Pictured):
         Regions of interest and barriers of the run.
     channel : str
         Channel of a color image in which the contours were found, one of `Parameters.channel`.
+    seeds : ndarray, shape (M, D)
+        Where the run began [px]; empty where nothing ran.
     provenance : Provenance
         Origin of the contours.
 
@@ -79,6 +82,8 @@ class Result(drawing.Pictured):
     >>> table = result.table(in_units=True)
     >>> table["area"].round(), table.units["area"]
     (array([374.,  77.]), 'µm²')
+    >>> result.objects  # the best first
+    (<Selection 1,485 px, 2 contours, 0 gaps, 84 % sure>,)
     >>> axes = result.plot(particles=True)
     >>> result.geometry is None  # nothing is known of its place in space
     True
@@ -99,6 +104,7 @@ class Result(drawing.Pictured):
     image: Image | None = None
     regions: AnyRegions | None = None
     channel: str = "luminance"
+    seeds: Array = field(default_factory=lambda: np.empty((0, 2)))
     provenance: Provenance = field(default_factory=Provenance)
 
     @cached_property
@@ -137,6 +143,16 @@ class Result(drawing.Pictured):
         """
         return find_faces(self.contours, self.spacing, self.links) if len(self.shape) == 2 else ()
 
+    @cached_property
+    def objects(self) -> FoundObjects:
+        """The objects that the run proposes, each a `Selection`, in a volume a `VolumeSelection`; the best first.
+
+        A run from everywhere, as from a grid, proposes all objects of the image, or all bodies inside the surface. One
+        from drawn starts proposes the object of each of them. They are found at the first access, which takes some
+        seconds in a large image. ValueError when the image is not known.
+        """
+        return find_objects(self)
+
     def table(self, *, in_units: bool = False) -> Table:
         """Measure what the closed contours enclose, or the objects in a volume: one row a label of `labels`.
 
@@ -150,11 +166,11 @@ class Result(drawing.Pictured):
         Table
             Columns by name, named as in ``skimage.measure.regionprops`` where they mean the same: ``area``
             without contours inside, ``area_filled`` with them, ``area_convex``, ``perimeter`` including holes,
-            ``centroid-0`` (row) and ``centroid-1``, ``box-0`` to ``box-3`` (least row and column, largest row and
-            column), ``axis_major_length``, ``axis_minor_length``, ``eccentricity``, ``orientation``,
+            ``centroid-0`` (row) and ``centroid-1``, ``bbox-0`` to ``bbox-3`` (least row and column, largest row and
+            column, of the contour), ``axis_major_length``, ``axis_minor_length``, ``eccentricity``, ``orientation``,
             ``equivalent_diameter_area``, ``solidity``, ``circularity`` (4π area_filled over the square of the outer
             perimeter), and of the gray levels inside ``intensity_mean``, ``intensity_std``, ``intensity_min`` and
-            ``intensity_max``. Of a volume: ``volume``, ``equivalent_diameter``, ``centroid``, ``box`` and gray levels.
+            ``intensity_max``. Of a volume: ``volume``, ``equivalent_diameter``, ``centroid``, ``bbox`` and gray levels.
         """
         sides, unit = (self.spacing, self.unit) if in_units else ((1.0,) * len(self.shape), None)
         gray = None if self.image is None else self.image.gray_levels(self.channel)
@@ -266,6 +282,7 @@ def build_result(state: State, image: Image, parameters: Parameters, **found: An
         image=image,
         regions=state.regions,
         channel=image.resolve_channel(parameters.channel),
+        seeds=state.start,
         **found,
     )
 

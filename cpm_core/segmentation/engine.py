@@ -110,7 +110,7 @@ class Engine(ImageFields):
     def __init__(
         self,
         values: ArrayLike | Image,
-        parameters: Parameters | None = None,
+        parameters: Parameters | str | None = None,
         regions: AnyRegions | None = None,
         measured: FieldMeasure | None = None,
     ) -> None:

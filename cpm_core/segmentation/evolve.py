@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import fields, replace
 from functools import cached_property
 from typing import Any, cast
 
@@ -17,8 +17,8 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.real_numbers import check_finite_number
-from cpm_core.numerics.types import Array
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.numerics.types import Array, record
+from cpm_core.parameters import Parameters, choose_parameters
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.results.result import Result
 from cpm_core.segmentation.method import RUN_METHODS, Method
@@ -30,7 +30,7 @@ DEFAULT_METHOD = "cpm"
 """The method that this program uses unless another one is asked for."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@record
 class RunState(drawing.Pictured):
     """State of a run: its particles, and on demand its contours.
 
@@ -147,7 +147,7 @@ class Evolution(Iterator[RunState]):
     >>> run = cpm.evolve(cpm.example(), cpm.circle((32, 32), 8))
     >>> for moment in run:
     ...     if moment.step == 5:  # damp the rest of the run, and attract the particles to a place
-    ...         run.parameters = cpm.Parameters(beta=1.5)
+    ...         run.update(beta=1.5)
     ...         run.charges = [cpm.PlacedCharge((32, 50), 1.0)]
     ...     if moment.step == 12:
     ...         run.stop()
@@ -181,16 +181,19 @@ class Evolution(Iterator[RunState]):
         return self._parameters
 
     @parameters.setter
-    def parameters(self, given: Parameters) -> None:
-        if not isinstance(given, Parameters):
+    def parameters(self, given: Parameters | str) -> None:
+        chosen = choose_parameters(given, self._moment.parameters)
+        if not self._method.can_start(chosen):
             raise ValueError(
-                f"parameters is {quote_value(given)} but must be Parameters: use dataclasses.replace on them."
+                f"scales is {chosen.scales} but must stay {self.parameters.scales} in a run: begin another."
             )
-        if not self._method.can_start(given):
-            raise ValueError(
-                f"scales is {given.scales} but must stay {self.parameters.scales} in a run: begin another."
-            )
-        self._parameters = given
+        self._parameters = chosen
+
+    def update(self, **values: float | str) -> None:
+        """Change parameters by name from the next step on, and keep all others; ValueError as for `Parameters`."""
+        if unknown := sorted(values.keys() - {field.name for field in fields(Parameters)}):
+            raise ValueError(f"{unknown[0]} is no parameter: choose among {', '.join(self._method.parameters)}.")
+        self.parameters = replace(self._parameters, **values)  # type: ignore[arg-type]
 
     @property
     def moment(self) -> RunState:
@@ -230,6 +233,7 @@ def evolve(
     values: ArrayLike | Image,
     seeds: ArrayLike,
     parameters: Parameters | str | None = None,
+    *,
     max_steps: int | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
@@ -246,7 +250,7 @@ def evolve(
     -------
     Evolution
         Yields a `RunState` at each step, the first being the start, with the particles and, computed on demand, the
-        contours. Its `parameters` and `charges` can be set at any time, and `stop` ends the run.
+        contours. `update` changes parameters at any time, `charges` can be set, and `stop` ends the run.
 
     Raises
     ------
@@ -265,32 +269,31 @@ def evolve(
         check_finite_number(
             "max_steps", max_steps, lambda count: count >= 1 and count == int(count), "at least 1, and whole"
         )
-    chosen = Parameters() if parameters is None else _choose("parameters", parameters, PRESETS)
-    if not isinstance(chosen, Parameters):
-        raise ValueError(f"parameters is {quote_value(chosen)} but must be Parameters or the name of a preset.")
-    make = _choose("method", method, SEEDED_METHODS)
-    if not callable(make):
-        raise ValueError(f"method is {quote_value(make)} but must be one of {', '.join(SEEDED_METHODS)}, or a class.")
-    run = make(values, chosen, regions)
+    chosen = choose_parameters(parameters, Parameters())
+    run = _choose_method(method)(values, chosen, regions)
     return Evolution(run, run.start(seeds), chosen, max_steps, charges)
 
 
-def _choose(what: str, given: Any, named: Mapping[str, Any]) -> Any:
-    """Return what a name stands for, or what was given in its place."""
-    if isinstance(given, str) and given not in named:
-        raise ValueError(f"{what} is {quote_value(given)} but must be one of {', '.join(named)}.")
-    return named[given] if isinstance(given, str) else given
+def _choose_method(given: str | Callable[..., Method[Any]]) -> Callable[..., Method[Any]]:
+    """Return the method with a name, or the class that is given in its place; ValueError for anything else."""
+    seeded = {name: method for name, method in RUN_METHODS.items() if method.seeded}
+    if isinstance(given, str) and given in seeded:
+        return seeded[given]
+    if isinstance(given, str) or not callable(given):
+        raise ValueError(f"method is {quote_value(given)} but must be one of {', '.join(seeded)}, or a class.")
+    return given
 
 
 def segment(
     values: ArrayLike | Image,
     seeds: ArrayLike,
     parameters: Parameters | str | None = None,
+    *,
     max_steps: int | None = None,
-    progress: Callable[[State], object] | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
     method: str | Callable[..., Method[Any]] = DEFAULT_METHOD,
+    progress: Callable[[State], object] | None = None,
 ) -> Result:
     """Find the contours of objects by particles that flow from seeds to edges and along them, until equilibrium.
 
@@ -304,8 +307,6 @@ def segment(
         Values, or the name of one of `PRESETS`; the paper's defaults unless given.
     max_steps : int, optional
         Greatest number of steps.
-    progress : callable, optional
-        Called with every `State`.
     regions : Regions or VolumeRegions, optional
         Regions of interest, which particles stay in, and barriers, which they do not cross.
     charges : sequence of PlacedCharge
@@ -313,6 +314,8 @@ def segment(
     method : {"cpm", "published"} or class
         The model with what this program adds, or as published, which may go on until `max_steps`; or a class like that
         of `Method`, made with `values`, `parameters` and `regions`.
+    progress : callable, optional
+        Called with the `State` after every step; it may raise to stop.
 
     Returns
     -------
@@ -334,7 +337,7 @@ def segment(
     >>> cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8), cpm.Parameters(beta=0.6), max_steps=3).stop_reason
     'stopped after 3 steps, as requested'
     """
-    run = evolve(values, seeds, parameters, max_steps, regions, charges, method)
+    run = evolve(values, seeds, parameters, max_steps=max_steps, regions=regions, charges=charges, method=method)
     next(run)
     for moment in run:
         if progress is not None:

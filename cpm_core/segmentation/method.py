@@ -22,6 +22,7 @@ from cpm_core.model.measures import Forces
 from cpm_core.model.state import Particles
 from cpm_core.numerics.types import Array, Numbers, Texts
 from cpm_core.parameters import Parameters
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.published import Published
 from cpm_core.results.result import Result
 from cpm_core.segmentation.engine import Engine
@@ -121,7 +122,7 @@ class Method(Protocol[S]):
         """Regions of interest and barriers."""
 
     def __init__(
-        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: Any = None
+        self, values: ArrayLike | Image, parameters: Parameters | str | None = None, regions: Any = None
     ) -> None: ...
 
     @staticmethod
@@ -179,7 +180,17 @@ class Steerable(Method[S], Protocol[S]):
         """Return the forces on points of a state, shape (N, D); `index`, shape (M,), selects some of them."""
 
 
-RUN_METHODS: Mapping[str, type[Method[Any]]] = MappingProxyType(
-    {method.name: method for method in (Engine, Published, SkeletonMethod)}
-)
-"""All methods by name."""
+_known_run_methods: dict[str, type[Method[Any]]] = {
+    method.name: method for method in (Engine, Published, SkeletonMethod)
+}
+
+RUN_METHODS: Mapping[str, type[Method[Any]]] = MappingProxyType(_known_run_methods)
+"""All methods that run step by step, by name."""
+
+
+def register_run_method(method: type[Method[Any]]) -> None:
+    """Add a class to `RUN_METHODS`; ValueError where it lacks one of the attributes of `Method`."""
+    wanted = {name for name in (*Method.__annotations__, *vars(Method)) if not name.startswith("_")}
+    if missing := sorted(name for name in wanted - {"image", "regions"} if not hasattr(method, name)):
+        raise ValueError(f"{quote_value(method)} is no method, since it has no {missing[0]}: see cpm_core.Method.")
+    _known_run_methods[method.name] = method

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike
 
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.model.starts import uniform_grid
-from cpm_core.numerics.real_numbers import as_positions
+from cpm_core.numerics.real_numbers import as_positions, check_finite_number
 from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar_objects import find_similar_objects
-from cpm_core.objects.volume_partition import VolumePartition
-from cpm_core.parameters import Parameters
+from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
+from cpm_core.parameters import Parameters, choose_parameters
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 
@@ -24,7 +25,9 @@ EVERYWHERE_PARAMETERS = Parameters(smoothing=1.5)
 """Parameters of the run from everywhere that finds the contours of an image."""
 
 
-def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Partition | VolumePartition:
+def partition(
+    values: ArrayLike | Image | Result, parameters: Parameters | str | None = None
+) -> Partition | VolumePartition:
     """Prepare an image with its contours, or a volume with the bodies of its surface, to select objects from.
 
     Parameters
@@ -32,7 +35,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     values : array_like, shape (H, W) or (P, H, W), or Image, or Result
         An image, in which a run from everywhere finds the contours; a volume, which needs no run; or the result of a
         run.
-    params : Parameters, optional
+    parameters : Parameters or str, optional
         Parameters of the run on an image.
 
     Returns
@@ -54,18 +57,21 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     if isinstance(values, Result):
         return Partition.from_result(values) if values.surface is None else VolumePartition.from_result(values)
     image = as_image(values)
-    return VolumePartition(image) if image.ndim == 3 else _partition_from_run(image, params)
+    if image.ndim == 3:
+        return VolumePartition(image)
+    return Partition.from_result(_run_everywhere(image, parameters))
 
 
-def _partition_from_run(image: Image, params: Parameters | None = None) -> Partition:
-    """Make the partition of an image with the contours that a run from everywhere finds in it."""
-    return Partition.from_result(segment(image, uniform_grid(image.shape), params or EVERYWHERE_PARAMETERS))
+def _run_everywhere(image: Image, parameters: Parameters | str | None = None) -> Result:
+    """Find the contours of an image by a run from everywhere."""
+    return segment(image, uniform_grid(image.shape), choose_parameters(parameters, EVERYWHERE_PARAMETERS))
 
 
 def select(
     values: ArrayLike | Image,
     inside: ArrayLike = (),
     outside: ArrayLike = (),
+    *,
     start: ArrayLike = (),
     box: ArrayLike = (),
     stroke: ArrayLike = (),
@@ -97,26 +103,38 @@ def select(
     [True, False]
     """
     image = as_plane(values)
-    cut = Partition(image, ()) if prior else replace(_partition_from_run(image), uses_network=False)
+    cut = Partition(image, ()) if prior else replace(Partition.from_result(_run_everywhere(image)), uses_network=False)
     places = np.concatenate([as_positions(given, "rows and columns") for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
 
-def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] = ()) -> tuple[Selection, ...]:
+def select_all(
+    values: ArrayLike | Image | Result | Partition,
+    like: Sequence[Selection] = (),
+    *,
+    parameters: Parameters | str | None = None,
+    min_confidence: float = 0.0,
+) -> tuple[Selection | VolumeSelection, ...]:
     """Select all objects of an image, or all that are similar to some.
 
     Parameters
     ----------
-    values : array_like, shape (H, W), or Image, or Partition
-        Image.
+    values : array_like, shape (H, W), or Image, or Result, or Partition
+        An image, in which a run from everywhere finds the contours; the result of a run, whose `Result.objects` are
+        selected; or a partition.
     like : sequence of Selection
-        Some of them. Without any, particles find the contours of the whole image, unless it is a partition, and the
-        network evaluates what they bound, alone, together or with gaps: the likely objects are selected.
+        Some of them. Without any, the network evaluates what contours bound, alone, together or with gaps: the likely
+        objects are selected.
+    parameters : Parameters or str, optional
+        Parameters of the run from everywhere.
+    min_confidence : float
+        Least `Selection.confidence` of an object, from 0 to 1; bodies in a volume have none, and stay.
 
     Returns
     -------
-    tuple of Selection
-        The objects, given ones first. None overlap, except objects in objects, such as a nucleus in a cell.
+    tuple of Selection, or of VolumeSelection
+        The objects, given ones first, otherwise the best. None overlap, except objects in objects, such as a nucleus
+        in a cell.
 
     Examples
     --------
@@ -124,15 +142,25 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
     >>> len(cpm.select_all(image, [cpm.select(image, [(32, 18)])])), len(cpm.select_all(image))
     (2, 2)
     """
+    check_finite_number("min_confidence", min_confidence, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
+    if not isinstance(like, Sequence) or not all(isinstance(one, Selection) for one in like):
+        raise ValueError(f"like is {quote_value(like)} but must be a list of selections.")
     if not like:
-        cut = values if isinstance(values, Partition) else _partition_from_run(as_plane(values))
-        return tuple(find_objects_everywhere(cut))
-    cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
+        if isinstance(values, Partition):
+            all_objects: Iterable[Selection | VolumeSelection] = find_objects_everywhere(values)
+        else:
+            result = values if isinstance(values, Result) else _run_everywhere(as_plane(values), parameters)
+            all_objects = result.objects
+        return tuple(one for one in all_objects if not isinstance(one, Selection) or one.confidence >= min_confidence)
+    if isinstance(values, Result):
+        cut = Partition.from_result(values)
+    else:
+        cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
     found = list(like)
     taken = np.any([one.mask for one in like], axis=0)
     for one in like:
         for other in find_similar_objects(cut, one):
-            if not (other.mask & taken).any():
+            if other.confidence >= min_confidence and not (other.mask & taken).any():
                 found.append(other)
                 taken |= other.mask
     return tuple(found)

@@ -251,7 +251,7 @@ class Sphere(Round, WithoutOutline):
 
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 3)."""
-        return volume_starts.sphere(self.center, self.radius, spacing=self.sides)
+        return volume_starts.sphere(self.center, self.radius, voxel_size=self.sides)
 
     def distance_from_center(self, position: Place) -> float:
         """Measure the distance of a position from the center, in sides of the smallest voxel."""

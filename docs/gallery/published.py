@@ -45,7 +45,7 @@ _FOUND = 0.9
 
 
 def _run(scene: Scene, method: Any, most: int = _MOST_STEPS) -> Result:
-    return segment(scene.values, scene.seeds, scene.parameters, most, method=method)
+    return segment(scene.values, scene.seeds, scene.parameters, max_steps=most, method=method)
 
 
 def _agreement(scene: Scene, method: Any, most: int = _MOST_STEPS) -> str:
@@ -77,7 +77,7 @@ def _skeleton(method: Any) -> str:
     else:
         starts = uniform_grid(shape.values.shape), gradient_threshold(shape.values)
         run = partial(Published, skeleton=True)
-        found = [segment(shape.values, seeds, one, 400, method=run).particles for seeds in starts]
+        found = [segment(shape.values, seeds, one, max_steps=400, method=run).particles for seeds in starts]
     shares = [float((cKDTree(points).query(axis)[0] <= 2.0).mean()) for points in found]
     return " and ".join(f"{share:.2f}" for share in shares) + " of the axis"
 
@@ -89,7 +89,7 @@ def _torus(method: Any) -> str:
     around = 0.5 * np.pi * np.arange(4)
     centers = 31.5 + 18.0 * np.stack([0.0 * around, np.sin(around), np.cos(around)], axis=1)
     seeds = np.concatenate([sphere(tuple(center), 4.0, 60) for center in centers])
-    found = segment(values, seeds, replace(_CALM, scales=1), _MOST_STEPS_IN_SPACE, method=method).particles
+    found = segment(values, seeds, replace(_CALM, scales=1), max_steps=_MOST_STEPS_IN_SPACE, method=method).particles
     turn, tube = np.meshgrid(*[np.linspace(0.0, 2.0 * np.pi, n, endpoint=False) for n in (120, 48)])
     out = 18.0 + 7.0 * np.cos(tube)
     truth = 31.5 + np.stack([7.0 * np.sin(tube), out * np.sin(turn), out * np.cos(turn)], axis=-1).reshape(-1, 3)

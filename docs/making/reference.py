@@ -9,7 +9,7 @@ import cpm_core
 GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "runs": (
         "Runs",
-        ("segment", "evolve", "Evolution", "RunState", "Engine", "State", "Particles", "Forces", "Energies",
+        ("segment", "run", "evolve", "Evolution", "RunState", "Engine", "State", "Particles", "Forces", "Energies",
          "Parameters", "PARAMETERS", "PRESETS", "Method", "METHODS"),
     ),
     "images": (
@@ -43,7 +43,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "methods": (
         "Classical methods",
         ("CONTOUR_METHODS", "ContourMethod", "ContourState", "Start", "run_method", "iterate_method", "report_run",
-         "RunReport"),
+         "RunReport", "register_method"),
     ),
 }  # fmt: skip
 """File -> title and public names."""

@@ -34,8 +34,8 @@ for row in order[:3]:
 axes = result.plot(labels=True)
 
 # %% [markdown]
-# Clicks tell them apart. In Jupyter, with anywidget installed, click the two nuclei, and Shift-click what is wrong;
-# each line here is the same as a click.
+# The objects that the run proposes tell them apart; clicks add others and correct them. In Jupyter, with anywidget
+# installed, click two nuclei, and Shift-click what is wrong; each line here is the same as a click.
 
 # %%
 view = cpm.notebook_view(result)
@@ -44,10 +44,10 @@ view.click((97, 127))
 view
 
 # %% [markdown]
-# What has been clicked is in Python.
+# What was proposed and clicked is in Python; here without what is doubtful, the background between nuclei.
 
 # %%
-nuclei = cpm.objects_result(view.objects, image)
+nuclei = cpm.objects_result([one for one in view.objects if one.confidence > 0.5])
 print(nuclei.table(in_units=True)["area"].round())
 
 # %% [markdown]

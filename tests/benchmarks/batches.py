@@ -98,20 +98,21 @@ def watched(command: list[str], table: Path, seconds: float) -> bool:
 
 def check(folder: Path, output: Path, some: list[int]) -> None:
     """Print what is not as it must be: of all images their rows, files and measures, of some single runs."""
-    done, joined = rows(output / "summary.csv"), rows(output / "measures.csv")
-    files = {name for row in done for name in row["files"].split("; ")} | {"summary.csv", "measures.csv"}
+    done, joined = rows(output / "summary.csv"), rows(output / "objects.csv")
+    files = {name for row in done for name in row["files"].split("; ")} | {"summary.csv", "objects.csv"}
     failed = sum(bool(row["trouble"]) for row in done)
     print(f"{len(done)} rows of {len({row['image'] for row in done})} images, {failed} failed")
     print(f"files that no row names: {sorted({path.name for path in output.iterdir()} - files) or 'none'}")
     measured: dict[str, list[dict[str, str]]] = {}
     for row in joined:
         measured.setdefault(row["image"], []).append(row)
-    counted = sum(len(measured.get(Path(row["image"]).name, ())) != int(row["contours"]) for row in done)
-    print(f"{len(joined)} contours in all; of {counted} images not those that were found")
+    counted = sum(len(measured.get(Path(row["image"]).name, ())) != int(row["objects"]) for row in done)
+    print(f"{len(joined)} objects in all; of {counted} images not those that were found")
     other = 0
     for number in some:
-        name, alone = f"{number:05}.png", folder / "alone.measures.csv"
-        run = ["run", str(folder / "images" / name), "--session", str(folder / "start.cpm"), "--export", str(alone)]
+        name, alone = f"{number:05}.png", folder / "alone.table.csv"
+        run = ["run", str(folder / "images" / name), "--session", str(folder / "start.cpm"), "--objects"]
+        run += ["--export", str(alone)]
         with contextlib.redirect_stdout(io.StringIO()):
             cli.main(run)
         other += rows(alone) != measured[name]
@@ -132,7 +133,7 @@ def main() -> int:
         start = SessionFile(shapes=tuple(Circle(center, 4.0) for center in CENTERS), parameters=Parameters(scales=1))
         save_session(start, folder / "start.cpm")
         command = [sys.executable, "-m", "cpm_app", "batch", str(images), "--session", str(folder / "start.cpm")]
-        command += ["--output", str(output), "--export", "svg", "measures.csv"]
+        command += ["--output", str(output), "--export", "svg", "csv"]
         table, generator = output / "summary.csv", random.Random(1)
         known: dict[str, str] = {}
         kills, again = 0, 0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,22 @@ def test_parameters_and_charges_act_from_the_next_step_on(image):
     assert steered[7].state.charges == tuple(run.charges)
     assert steered[7].parameters.beta == 3.0
     assert steered[6].parameters.beta == 0.8
+
+
+def test_an_update_changes_what_it_names_and_nothing_else(image):
+    run = cpm.evolve(image, SEEDS, "shape")
+    next(run)
+    run.update(beta=0.2, w1=1.5)
+    assert run.parameters == dataclasses.replace(cpm.PRESETS["shape"], beta=0.2, w1=1.5)
+    assert next(run).parameters.beta == 0.2
+    for wrong, says in (
+        ({"betta": 1.0}, "betta is no parameter: choose among reach"),
+        ({"beta": -1.0}, "beta is -1 but must be"),
+        ({"scales": 2}, "scales is 2 but must stay 3"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            run.update(**wrong)
+    assert run.parameters.w1 == 1.5
 
 
 def test_a_run_is_stopped_where_it_is_and_says_so(image):

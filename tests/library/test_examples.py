@@ -13,6 +13,7 @@ import pytest
 from matplotlib import pyplot
 
 import cpm_core as cpm
+from cpm_core.segmentation.method import _known_run_methods
 
 OBJECTS = {name: getattr(cpm, name) for name in cpm.__all__ if hasattr(getattr(cpm, name), "__qualname__")}
 """Public functions and classes by name; the others are tables."""
@@ -59,6 +60,7 @@ def place(tmp_path, monkeypatch):
     pyplot.switch_backend("agg")
     monkeypatch.chdir(tmp_path)
     yield
+    _known_run_methods.pop("slow", None)  # of an example
     pyplot.close("all")
     pyplot.switch_backend(before)
 

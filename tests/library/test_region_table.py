@@ -52,7 +52,7 @@ def test_a_circle_is_round_and_a_square_is_not():
     table = table_of([ellipse((70.0, 70.0), (20.0, 20.0)), square])
     assert table["circularity"] == pytest.approx([1.0, np.pi / 4.0], rel=1e-4)
     assert table["perimeter"] == pytest.approx([40.0 * np.pi, 80.0], rel=1e-4)
-    assert [float(table[f"box-{k}"][1]) for k in range(4)] == [10.0, 10.0, 30.0, 30.0]
+    assert [float(table[f"bbox-{k}"][1]) for k in range(4)] == [10.0, 10.0, 30.0, 30.0]
 
 
 def test_what_lies_inside_is_not_part_of_the_area_and_has_a_row_of_its_own():
@@ -128,4 +128,4 @@ def test_objects_in_a_volume_are_measured_in_units_along_each_axis():
     assert table["intensity_mean"] == pytest.approx(theirs["intensity_mean"])
     for axis in range(3):
         assert table[f"centroid-{axis}"] == pytest.approx(theirs[f"centroid-{axis}"])
-    assert [float(table[f"box-{k}"][0]) for k in range(6)] == [4.0, 3.0, 0.5, 8.0, 7.0, 2.0]
+    assert [float(table[f"bbox-{k}"][0]) for k in range(6)] == [4.0, 3.0, 0.5, 8.0, 7.0, 2.0]

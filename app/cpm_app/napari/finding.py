@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Generator, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import skimage
 
 import cpm_core as cpm
-from cpm_core.contours import join_surfaces
 from cpm_core.contours.surface import surface_from_labels
 from cpm_core.numerics import Array, Index
 from cpm_core.objects import partition_without_run
-from cpm_core.results import boundaries_result
+from cpm_core.results import replace_by_objects
 from cpm_core.shapes import starts_from_contours
 
 WorkProgress = tuple[str, Array | None]
@@ -73,11 +71,7 @@ def find_objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequ
             found.append(one)
     if not found:
         raise ValueError("No object was found there: move the points, or draw a box around an object.")
-    if image.ndim == 2:
-        return cpm.objects_result(found, image)
-    surface = join_surfaces([(at, one.surface) for at, one in enumerate(found, 1)], image.spacing, image.unit)
-    empty = boundaries_result((), (), image.shape, image.spacing, image.unit, image.source)
-    return replace(empty, surface=surface)
+    return cpm.objects_result(found, image)
 
 
 def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, outside: Array) -> Work:
@@ -126,9 +120,9 @@ def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, o
 
 
 def run_from_seeds(image: cpm.Image, seeds: Array, parameters: Callable[[], cpm.Parameters]) -> Work:
-    """Run from seeds (N, D) to a result; each step takes the parameters of its moment.
+    """Run from seeds (N, D) to the objects that the run proposes; each step takes the parameters of its moment.
 
-    Yields the progress from time to time, and returns a `Result`.
+    Yields the progress from time to time, and returns a `Result`: that of the run itself where it proposes nothing.
     """
     states, reported = cpm.evolve(image, seeds, parameters()), 0.0
     for state in states:
@@ -136,7 +130,9 @@ def run_from_seeds(image: cpm.Image, seeds: Array, parameters: Callable[[], cpm.
         if time.monotonic() - reported > _REPORT_INTERVAL:
             yield f"Step {state.step}, {state.count} particles", state.position
             reported = time.monotonic()
-    return states.result
+    yield "Objects", states.moment.position
+    found = states.result
+    return replace_by_objects(found, found.objects) if found.objects else found
 
 
 def collect_drawn_seeds(drawn: Sequence[cpm.Contour], labels: Index | None) -> Array:

@@ -23,7 +23,7 @@ from cpm_app.session.undo_history import Erasure
 from cpm_app.session.worker.commands import WorkerCommand, call_run, find_seeds
 from cpm_app.session.worker.run import Run
 from cpm_core.numerics import Place
-from cpm_core.shapes import Interest, Shape, Start
+from cpm_core.shapes import Interest, Shape
 
 _MOTION_ALLOWANCE = 2.0
 """Distance by which particles may have moved since they were shown [px]."""
@@ -102,11 +102,6 @@ class RunUpdater:
             self._outdated = document.shapes, sources, bool(sources - document.start_counts)
         begun = self._documents_by_run.get(self._run)
         return self._outdated[2] or begun is None or document.start_inputs != begun.start_inputs
-
-    @property
-    def starts(self) -> tuple[Start, ...]:
-        """The starts of the run that is shown, whatever has been drawn since."""
-        return starts_from_sources(self._current_sources)
 
     def continue_run(self, document: Document) -> None:
         """Let the run go on in the mode of the document, which has only now been chosen for it."""

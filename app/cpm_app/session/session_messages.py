@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject, Signal
 
+from cpm_app.model.state.messages import BATCH_CATEGORY
 from cpm_app.model.text.language import elide_middle
 
 OPENING_CATEGORY = "opening"
@@ -39,7 +40,7 @@ UNEXPECTED_CATEGORY = "unexpected"
 PROJECT_CATEGORY = "project"
 """Category of messages about the states of the images of a folder."""
 
-PROGRAM_CATEGORIES = (RECOVERY_CATEGORY, JOURNAL_CATEGORY, UNEXPECTED_CATEGORY, PROJECT_CATEGORY)
+PROGRAM_CATEGORIES = (RECOVERY_CATEGORY, JOURNAL_CATEGORY, UNEXPECTED_CATEGORY, PROJECT_CATEGORY, BATCH_CATEGORY)
 """Categories of messages that do not concern the open image, and stay when another one is opened."""
 
 

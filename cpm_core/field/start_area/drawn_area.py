@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,9 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.grids import Window, bounding_window, expand_window, whole_window
-from cpm_core.numerics.types import Array, Extent, Mask
+from cpm_core.numerics.types import Array, Extent, Mask, Sides
 
 _LINK_FACTOR = 0.75
 """Multiple of the usual distance of neighbors up to which a row of particles is closed."""
@@ -24,10 +25,13 @@ _HOLLOW_FACTOR = 3.0
 """Multiple of that distance from all particles beyond which a place is enclosed rather than covered."""
 
 _EVEN_SIDE = 1.5
-"""Side of the cells that decide on a start from everywhere, in mean distances of particles."""
+"""Greatest side of the cells that decide on a start from everywhere, in mean distances of particles."""
 
 _EVEN_SHARE = 0.95
 """Least share of those cells with particles of a start from everywhere."""
+
+_REGION_SAMPLES = 32
+"""Number of places along each axis from which the size of the regions of interest is estimated."""
 
 MIN_DRAWN_PLACES = 8
 """Number of places from which they are a drawn shape; fewer are clicks, and are drawn around nothing."""
@@ -95,14 +99,41 @@ def _are_in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
     return (share >= _MIN_HULL_SHARE) & (np.arange(count + 1) > 0)
 
 
-def is_everywhere(points: Array, shape: Extent) -> bool:
-    """Return whether particles, shape (N, 2) [px], lie evenly all over an image of this shape, as a grid does."""
+def is_everywhere(points: Array, shape: Extent, regions: AnyRegions | None = None, sides: Sides = (1.0, 1.0)) -> bool:
+    """Return whether particles lie evenly all over an image, as a grid does.
+
+    Parameters
+    ----------
+    points : ndarray, shape (N, D)
+        The particles [px].
+    shape : tuple of int
+        Shape of the image.
+    regions : Regions or VolumeRegions, optional
+        Regions of interest outside which there need not be any.
+    sides : tuple of float
+        Sides of a pixel, in which the distances of particles are even.
+    """
     if len(points) < MIN_DRAWN_PLACES:
         return False
-    side = _EVEN_SIDE * np.sqrt(np.prod(shape) / max(len(points), 1))
-    cells = tuple(int(np.ceil(n / side)) for n in shape)
-    place = np.clip((points + 0.5) / side, 0, np.array(cells) - 1).astype(int)
-    return bool(np.count_nonzero(np.bincount(place @ (cells[1], 1))) > _EVEN_SHARE * np.prod(cells))
+    extent, share = np.array(shape) * np.array(sides), 1.0
+    if regions is not None:
+        samples = _cell_centers(shape, (_REGION_SAMPLES,) * len(shape))
+        share = max(int(np.count_nonzero(regions.contains(samples))), 1) / len(samples)
+    side = _EVEN_SIDE * (share * np.prod(extent) / len(points)) ** (1.0 / len(shape))
+    cells = tuple(np.ceil(extent / side).astype(int).tolist())
+    place = np.clip((points + 0.5) / np.array(shape) * cells, 0, np.array(cells) - 1).astype(int)
+    wanted = np.ones(math.prod(cells), bool)
+    if regions is not None:
+        wanted = regions.contains(_cell_centers(shape, cells))
+    taken = np.zeros(len(wanted), bool)
+    taken[np.ravel_multi_index(tuple(place.T), cells)] = True
+    return bool(np.count_nonzero(taken & wanted) > _EVEN_SHARE * max(int(np.count_nonzero(wanted)), 1))
+
+
+def _cell_centers(shape: Extent, cells: Sequence[int]) -> Array:
+    """Return the centers of the cells that divide an image along its axes, shape (N, D) [px]."""
+    lines = [(np.arange(count) + 0.5) * n / count - 0.5 for n, count in zip(shape, cells, strict=True)]
+    return np.stack([line.ravel() for line in np.meshgrid(*lines, indexing="ij")], axis=1)
 
 
 def hollow_part(points: Array, area: Mask) -> Mask:

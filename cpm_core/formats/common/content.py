@@ -54,6 +54,10 @@ class UnreadableError(ValueError):
         self.images = images
 
 
+class MissingFileError(ValueError, FileNotFoundError):
+    """A file does not exist."""
+
+
 def format_location(file: Path) -> str:
     """Format a path for a sentence: the file name first, since it matters most, then the end of a long folder."""
     folder = os.path.dirname(file)  # noqa: PTH120 - empty where none is given
@@ -77,7 +81,7 @@ def read_content(file: Path, max_size: int = MAX_FILE_SIZE, head_size: int = -1)
         with file.open("rb") as stream:
             return stream.read(head_size)
     except FileNotFoundError:
-        raise UnreadableError(f"{format_location(file)} does not exist: check its name and folder.") from None
+        raise MissingFileError(f"{format_location(file)} does not exist: check its name and folder.") from None
     except PermissionError:
         raise UnreadableError(
             f"{format_location(file)} cannot be read, because you have no permission: ask its owner for it."
@@ -93,7 +97,7 @@ def explain_decoding_errors(name: str, fallback: str) -> Iterator[None]:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
             yield
-    except UnreadableError as error:
+    except (UnreadableError, MissingFileError) as error:
         if name in str(error):
             raise
         raise UnreadableError(f"{name}: {error}") from error

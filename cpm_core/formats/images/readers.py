@@ -82,7 +82,6 @@ IMAGES_READABLE: dict[str, str] = {
 
 def load_image(
     path: AnyPath,
-    check_cancelled: Callback | None = None,
     *,
     page: int | None = None,
     channel: int | None = None,
@@ -91,6 +90,7 @@ def load_image(
     color: str = "luminance",
     spacing: ArrayLike | None = None,
     unit: str | None = None,
+    check_cancelled: Callback | None = None,
 ) -> Image:
     """Read an image file, one plane of a file of several.
 
@@ -98,8 +98,6 @@ def load_image(
     ----------
     path : path-like
         A file of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series.
-    check_cancelled : callable, optional
-        Called between the parts of a long file while it is hashed; it may raise to stop.
     page : int, optional
         Plane, page or frame, from 1; by default the first page or frame, or the middle plane of a volume.
     channel, time : int, optional
@@ -113,6 +111,8 @@ def load_image(
         Size of a pixel, one number or along (row, col), shape (2,), overriding that of the file.
     unit : str, optional
         Unit of `spacing`: nm, µm, mm, cm or m.
+    check_cancelled : callable, optional
+        Called between the parts of a long file while it is hashed; it may raise to stop.
 
     Returns
     -------
@@ -138,7 +138,6 @@ def load_image(
 
 def load_volume(
     path: AnyPath,
-    check_cancelled: Callback | None = None,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -146,6 +145,7 @@ def load_volume(
     color: str = "luminance",
     spacing: ArrayLike | None = None,
     unit: str | None = None,
+    check_cancelled: Callback | None = None,
 ) -> Image:
     """Read a volume.
 
@@ -153,7 +153,7 @@ def load_volume(
     ----------
     path : path-like
         A stack or volume of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series.
-    go_on, channel, time, series, color, unit
+    channel, time, series, color, unit, check_cancelled
         As for `load_image`.
     spacing : float or sequence of float, optional
         Size of a voxel, one number or along (plane, row, col), shape (3,), overriding that of the file.
@@ -181,7 +181,6 @@ def load_volume(
 
 def load_pages(
     path: AnyPath,
-    check_cancelled: Callback | None = None,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -189,12 +188,13 @@ def load_pages(
     color: str = "luminance",
     spacing: ArrayLike | None = None,
     unit: str | None = None,
+    check_cancelled: Callback | None = None,
 ) -> Pages:
     """Open a stack or a time series whose pages are images of their own.
 
     Parameters
     ----------
-    path, go_on, channel, time, series, color, spacing, unit
+    path, channel, time, series, color, spacing, unit, check_cancelled
         As for `load_image`.
 
     Returns

@@ -68,7 +68,7 @@ def paint_labels(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsig
         return paint_lines(result.contours, range(1, count + 1), result.shape)
     if outlines:
         return paint_lines(result.contours, assign_numbers(result.contours), result.shape)
-    return result.labels.astype(label_type(len(result.contours)))
+    return result.labels.astype(label_type(count))
 
 
 def find_named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...]:
@@ -192,7 +192,7 @@ def _largest_label(result: Outcome, outlines: bool = False) -> int:
         count = max(assign_numbers(result.contours), default=0)
         nothing = f"{result.source} has no contours, so a picture of them would be empty: continue the run"
     else:
-        count = max(assign_labels(result.contours), default=0)
+        count = max(int(result.labels.max()), *assign_labels(result.contours), 0)
         nothing = f"No contour of {result.source} is closed, so a label mask would be empty: continue the run"
     if count == 0:
         raise ValueError(f"{nothing}, or export to SVG or CSV.")

@@ -34,7 +34,7 @@ def sphere(
     center: Sequence[float],
     radius: float,
     count: int = 625,
-    spacing: Sequence[float] = (1.0, 1.0, 1.0),
+    voxel_size: Sequence[float] = (1.0, 1.0, 1.0),
 ) -> Array:
     """Place particles on a sphere, evenly spread.
 
@@ -43,10 +43,10 @@ def sphere(
     center : tuple of float
         Center (plane, row, col) [voxels].
     radius : float
-        Radius, in the unit of `spacing`: voxels unless a spacing is given.
+        Radius, in the unit of `voxel_size`: voxels unless a size is given.
     count : int
         Number of particles.
-    spacing : tuple of float
+    voxel_size : tuple of float
         Sides of a voxel (plane, row, col), for a sphere in a volume whose voxels are no cubes.
 
     Returns
@@ -57,7 +57,7 @@ def sphere(
     Raises
     ------
     ValueError
-        When the center is not three finite numbers, radius or spacing is not positive, or the count is not a positive
+        When the center is not three finite numbers, radius or size is not positive, or the count is not a positive
         whole number.
 
     Examples
@@ -65,7 +65,7 @@ def sphere(
     >>> cpm.sphere((15, 15, 15), radius=4, count=60).shape
     (60, 3)
     """
-    middle, sides = check_three_numbers("center", center), check_voxel_sides("spacing", spacing)
+    middle, sides = check_three_numbers("center", center), check_voxel_sides("voxel_size", voxel_size)
     check_finite_number(
         "radius", radius, lambda r: 0.0 < r <= _MAX_SPHERE_RADIUS, f"above 0 and at most {_MAX_SPHERE_RADIUS:g}"
     )
@@ -128,20 +128,20 @@ def seeds_on_box(first: Sequence[float], last: Sequence[float], spacing: float =
 
 
 def seeds_in_slice(
-    points: ArrayLike, at: float, axis: int = 0, spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    points: ArrayLike, at: float, axis: int = 0, voxel_size: tuple[float, float, float] = (1.0, 1.0, 1.0)
 ) -> Array:
     """Place points drawn in a slice, such as the particles of a circle or a stroke, in the volume.
 
     Parameters
     ----------
     points : array_like, shape (N, 2)
-        Positions along the two axes of the slice, in the order of the volume's axes and in the unit of `spacing`:
-        voxels unless a spacing is given.
+        Positions along the two axes of the slice, in the order of the volume's axes and in the unit of `voxel_size`:
+        voxels unless a size is given.
     at : float
         Where the slice lies along the other axis [voxels].
     axis : int
         The axis across the slice: 0 for a plane (row, col), 1 for (plane, col), 2 for (plane, row).
-    spacing : tuple of float
+    voxel_size : tuple of float
         Sides of a voxel (plane, row, col), for a volume whose voxels are no cubes: a circle is then round.
 
     Returns
@@ -153,7 +153,7 @@ def seeds_in_slice(
     ------
     ValueError
         When the points are not rows of two finite numbers, the axis is none of the three, the slice is at no finite
-        place, or the spacing is not positive.
+        place, or the size is not positive.
 
     Examples
     --------
@@ -161,7 +161,7 @@ def seeds_in_slice(
     >>> seeds.shape[1], set(seeds[:, 0].tolist())
     (3, {12.0})
     """
-    drawn, sides = as_real_array(points), check_voxel_sides("spacing", spacing)
+    drawn, sides = as_real_array(points), check_voxel_sides("voxel_size", voxel_size)
     if drawn.ndim != 2 or drawn.shape[1] != 2:
         raise ValueError(f"what is drawn in a slice has the shape {drawn.shape} but must be (N, 2), one row a point.")
     if not np.isfinite(drawn).all():
@@ -171,7 +171,7 @@ def seeds_in_slice(
     return np.insert(drawn / np.delete(sides, across), across, place, axis=1)
 
 
-def seeds_everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
+def seeds_everywhere(values: ArrayLike | Image, spacing: float = 8.0) -> Array:
     """Spread particles evenly over a volume, at this distance [smallest sides of a voxel]; shape (N, 3) [voxels].
 
     Examples
@@ -179,7 +179,7 @@ def seeds_everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
     >>> cpm.seeds_everywhere(cpm.example("ball")).shape[1]
     3
     """
-    volume = _require_volume(volume)
+    volume = _require_volume(values)
     pitch = np.array(pitch_of(volume.spacing))
     extent = tuple(int(side) for side in np.ceil((np.array(volume.shape) - 1) * pitch) + 1)
     places = uniform_grid(extent, spacing)
@@ -188,7 +188,7 @@ def seeds_everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
 
 
 def seeds_on_strong_edges(
-    volume: Image | ArrayLike, fraction: float = STRONG_EDGE_FRACTION, smoothing: float = 1.0
+    values: ArrayLike | Image, fraction: float = STRONG_EDGE_FRACTION, smoothing: float = 1.0
 ) -> Array:
     """Place particles on every voxel with an edge strength above a fraction of the largest; shape (N, 3) [voxels].
 
@@ -202,7 +202,7 @@ def seeds_on_strong_edges(
     """
     check_finite_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
     sigma = check_finite_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
-    return pixels_above(volume_edge_strength(_require_volume(volume), sigma), fraction)
+    return pixels_above(volume_edge_strength(_require_volume(values), sigma), fraction)
 
 
 def volume_edge_strength(volume: Image, smoothing: float) -> Array:
@@ -212,12 +212,12 @@ def volume_edge_strength(volume: Image, smoothing: float) -> Array:
     return VolumeSlopes.from_volume(smoothed, pitch).edge_strengths().astype(float)
 
 
-def seeds_at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
+def seeds_at_centers(values: ArrayLike | Image, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
     """Place particles in the middle between edges, where the field diverges; shape (N, 3) [voxels].
 
     Parameters
     ----------
-    volume : Image or array_like, shape (P, R, C)
+    values : array_like, shape (P, R, C), or Image
         Volume. A large one is looked at more coarsely, in cubes of about two million in number.
     smoothing : float
         Sigma of the Gaussian before the gradient [smallest sides of a voxel].
@@ -245,7 +245,7 @@ def seeds_at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing:
     """
     sigma = check_finite_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
     apart = check_finite_number("spacing", spacing, lambda number: number > 0.0, "above 0")
-    volume = _require_volume(volume)
+    volume = _require_volume(values)
     pitch = np.array(pitch_of(volume.spacing))
     smooth = smooth_volume(volume.values, (sigma / pitch).tolist())
     extent = np.maximum(np.array(volume.shape) - 1, 1) * pitch
@@ -257,7 +257,7 @@ def seeds_at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing:
     return found * (np.array(volume.shape) - 1) / (np.array(even.shape) - 1)
 
 
-def _require_volume(values: Image | ArrayLike) -> Image:
+def _require_volume(values: ArrayLike | Image) -> Image:
     """Return a volume from an image or from gray levels, whose voxels are cubes then."""
     volume = as_image(values)
     if len(volume.shape) != 3:

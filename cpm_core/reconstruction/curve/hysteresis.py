@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import scipy
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
-from cpm_core.field.region_contrast import mean_contrast
+from cpm_core.field.region_contrast import MeanContrast
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters import Parameters
@@ -111,6 +110,6 @@ def measure_contours(contours: Sequence[Contour], scale_field: ScaleField) -> tu
     strength, normals = scale_field.strength_at(points), scale_field.normals_at(points)
     found = []
     for contour, a, b in zip(contours, bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
-        sides = partial(mean_contrast, scale_field.values, contour.points, normals[a:b], scale_field.smoothing)
+        sides = MeanContrast(scale_field.values, contour.points, normals[a:b], scale_field.smoothing)
         found.append(replace(contour, strength=float(strength[a:b].mean()), measure_contrast=sides))
     return tuple(found)

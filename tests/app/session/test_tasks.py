@@ -109,10 +109,10 @@ class Gated:
     def __init__(self) -> None:
         self.gate = threading.Event()
 
-    def __call__(self, path: Path, go_on: Callable[[], object]) -> Image:
+    def __call__(self, path: Path, check_cancelled: Callable[[], object]) -> Image:
         if path.name.startswith("slow"):
             assert self.gate.wait(20)
-        return load_image(path, go_on)
+        return load_image(path, check_cancelled=check_cancelled)
 
 
 @pytest.fixture

@@ -180,7 +180,7 @@ class Bench:
         self.written.append(result)
         return b""
 
-    def _load(self, path: Path, go_on: Callable[[], object] = lambda: None) -> Image:
+    def _load(self, path: Path, check_cancelled: Callable[[], object] = lambda: None) -> Image:
         return Image(np.eye(64), source=path.name)
 
     def _build(self, image: Image, parameters: Parameters, regions: Regions | None) -> FakeEngine:

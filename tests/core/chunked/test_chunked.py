@@ -93,7 +93,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
     monkeypatch.setattr(chunk_objects, "OBJECT_MARGINS", (64, 256))  # the ring needs the second
     found = found_in(source, tmp_path, objects=True)
     image = cpm.load_image(source.path)
-    one = cpm.select_all(cpm.partition(cpm.segment(image, cpm.uniform_grid(image.shape), PARAMETERS)))
+    one = cpm.segment(image, cpm.uniform_grid(image.shape), PARAMETERS).objects
     several = contours_of(found)
     assert sum(found.counts) == len(one) == 9
     assert sorted({contour.group for contour in several}) == list(range(1, 10))
@@ -265,3 +265,12 @@ def test_an_image_of_10_000_000_000_pixels_is_opened_in_little_memory(tmp_path):
     assert [level.shape[0] for level in image.finer] == [100_000, 50_000, 25_000, 12_500]
     assert (image.finer[0][place] == values).all()
     assert (image.finer[2][np.s_[12800:12832, 24576:24608]] == values[::4, ::4]).all()
+
+
+def test_pixels_without_data_are_refused_before_anything_runs(tmp_path):
+    values = picture().astype(np.float32)
+    values[200, 300] = np.nan
+    ome_zarr.create_multiscale(tmp_path / "nan.zarr", values.shape, values.dtype, SIDE)
+    ome_zarr.write_window(tmp_path / "nan.zarr", 0, np.s_[:, :], values)
+    with pytest.raises(ValueError, match=r"nan\.zarr has pixels without data \(NaN\)"):
+        found_in(grids.ChunkedSource(tmp_path / "nan.zarr", Reading()), tmp_path)

@@ -10,8 +10,8 @@ import PIL.Image
 import pytest
 import tifffile
 
-from cpm_core.cli import inputs
 from cpm_core.formats.common.content import compute_fingerprint
+from cpm_core.formats.sessions import session_run
 from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 
 ROOT = Path(__file__).parents[3]
@@ -120,7 +120,7 @@ def parameters_of(monkeypatch, disk, command):
             seen.append(parameters)
             raise ValueError("enough seen.")
 
-        monkeypatch.setattr(inputs, "segment", segment)
+        monkeypatch.setattr(session_run, "segment", segment)
         command("run", disk, *START, *arguments)
         return seen[0]
 
@@ -166,7 +166,7 @@ def test_an_interrupt_ends_the_run_cleanly_and_writes_nothing(disk, command, tmp
     def interrupted(*_, progress, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(inputs, "segment", interrupted)
+    monkeypatch.setattr(session_run, "segment", interrupted)
     status, _, err = command("run", disk, *START, "--export", tmp_path / "out.svg")
     assert (status, err) == (130, "cpm: interrupted.\n")
     assert not (tmp_path / "out.svg").exists()

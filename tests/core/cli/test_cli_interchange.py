@@ -39,7 +39,9 @@ def test_a_saved_session_holds_the_run_at_its_end_as_the_window_reads_it(found, 
 
 
 def test_export_writes_what_a_session_shows_without_running_again(found, command, tmp_path, monkeypatch):
-    monkeypatch.setattr("cpm_core.cli.inputs.segment", lambda *_, **__: pytest.fail("it was run again"))
+    monkeypatch.setattr(
+        "cpm_core.formats.sessions.session_run.segment", lambda *_, **__: pytest.fail("it was run again")
+    )
     session, contours = found
     status, out, err = command("export", session, "--to", tmp_path / "b.json", tmp_path / "b.zip", "--json")
     assert (status, err, json.loads(out)["contours"]) == (0, "", 1)

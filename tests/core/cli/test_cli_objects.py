@@ -1,5 +1,6 @@
 """Objects on the command line: chosen by places, written closed, told as text and as JSON."""
 
+import csv
 import json
 
 import numpy as np
@@ -42,9 +43,11 @@ def test_an_object_is_told_as_json_and_written_as_a_mask_of_one_label(disk, told
 def test_all_objects_are_told_and_written(disk, told, tmp_path):
     mask = tmp_path / "mask.png"
     found = told("run", disk, "--objects", "--export", mask)["objects"]
-    areas = [np.pi * (RADIUS**2 - 6.0**2), np.pi * 12.0**2]
-    assert [one["area"] for one in found] == pytest.approx(areas, rel=0.06)
-    assert np.bincount(np.asarray(PIL.Image.open(mask)).ravel())[1:] == pytest.approx(areas, rel=0.06)
+    areas = [np.pi * 12.0**2, np.pi * (RADIUS**2 - 6.0**2)]
+    assert sorted(one["area"] for one in found) == pytest.approx(areas, rel=0.06)
+    told_areas, sure = [one["area"] for one in found], [one["confidence"] for one in found]
+    assert np.bincount(np.asarray(PIL.Image.open(mask)).ravel())[1:] == pytest.approx(told_areas, rel=0.06)
+    assert sure == sorted(sure, reverse=True)
 
 
 def test_a_person_is_told_of_the_object(disk, command):
@@ -52,3 +55,27 @@ def test_a_person_is_told_of_the_object(disk, command):
     assert status == 0
     assert "Object: area 4" in out  # of pi 12 ^ 2 = 452
     assert "across gaps, confidence" in out
+
+
+def test_a_batch_writes_the_objects_of_each_image_in_formats_named_by_name_and_counts_them(
+    disk, command, told, tmp_path
+):
+    two, session, out = tmp_path / "halves.png", tmp_path / "a.cpm", tmp_path / "out"
+    halves = np.where(np.arange(80)[:, None] < 40, 100, np.full((80, 140), 150))
+    PIL.Image.fromarray(halves.astype(np.uint8)).save(two)
+    run = ("run", disk, "--auto", "grid", "--preset", "automatic", "--objects", "--save-session", session)
+    assert command(*run, "--export", tmp_path / "run.tif", tmp_path / "run.table.csv")[0] == 0
+    batch = ("batch", disk, two, "--session", session, "--output", out, "--workers", 1)
+    reported = told(*batch, "--export", "labelme", "csv", "masks", ".png")
+    assert [image["objects"] for image in reported["images"]] == [2, 0]
+    assert (reported["failed"], reported["lacking_files"]) == (0, 0)
+    names = [f"disk_objects.{suffix}" for suffix in ("labelme.json", "table.csv", "tif", "png")]
+    assert {path.name for path in out.iterdir()} == {*names, "objects.csv", "summary.csv"}
+    assert (out / "disk_objects.tif").read_bytes() == (tmp_path / "run.tif").read_bytes()
+    assert (out / "disk_objects.table.csv").read_bytes() == (tmp_path / "run.table.csv").read_bytes()
+    shapes = json.loads((out / "disk_objects.labelme.json").read_text())
+    assert shapes["imagePath"] == "../disk.png"
+    with (out / "objects.csv").open(newline="") as stream:
+        assert [row["image"] for row in csv.DictReader(stream)] == ["disk.png", "disk.png"]
+    _, said, err = command(*batch, "--export", "labelme", "csv", "masks", ".png")
+    assert "2 images done before" in err and "halves.png: 0 objects" in said

@@ -83,7 +83,7 @@ def test_a_batch_does_to_each_image_what_a_run_does_and_reports_a_bad_one(comman
     out = tmp_path / "deep" / "out"
     status, reported, err = command(
         "batch", disks, tmp_path / "bad.png", disks, "--session", session, "--output", out,
-        "--workers", 1, "--max-steps", 40, "--export", "csv", ".svg",
+        "--workers", 1, "--max-steps", 40, "--contours", "--export", ".csv", ".svg",
     )  # fmt: skip
     assert status == 1
     assert "bad.png is" in err
@@ -121,7 +121,9 @@ def test_an_image_whose_process_dies_is_tried_once_more_and_the_others_go_on(dis
 
     monkeypatch.setattr(workers, "wait", killing)
     made = SessionFile(shapes=(Circle(CENTERS[0], 6.0),))
-    jobs = [BatchJob(number, BatchRow("disks"), str(disks), made, Parameters(scales=2), 3, ()) for number in range(3)]
+    jobs = [
+        BatchJob(number, BatchRow("disks"), str(disks), made, Parameters(scales=2), 3, (), "") for number in range(3)
+    ]
     found = sorted((job.number, row.trouble) for job, row in workers.run_locally(jobs, 2))
     assert killed
     assert found == [(0, ""), (1, ""), (2, "")]
@@ -187,7 +189,7 @@ def test_a_second_batch_does_only_what_is_not_done_in_the_same_way(command, sess
     bad, other, out = tmp_path / "bad.png", tmp_path / "other.png", tmp_path / "o"
     bad.write_text("no picture")
     shutil.copy(disks, other)
-    rest = ("--session", session, "--output", out, "--workers", 1, "--export", "svg")
+    rest = ("--session", session, "--output", out, "--workers", 1, "--contours", "--export", "svg")
     short = ("--max-steps", 2)
 
     def done(*given):
@@ -201,7 +203,7 @@ def test_a_second_batch_does_only_what_is_not_done_in_the_same_way(command, sess
         session
     )
     assert (first["version"], first["files"]) == (cpm_core.__version__, "disks_contours.svg")
-    assert first["settings"] == "max_steps=2 export=.svg" and first["finished"].endswith("Z")
+    assert first["settings"] == "max_steps=2 contours=.svg" and first["finished"].endswith("Z")
     shutil.copy(disks, bad)  # it has been repaired
     assert done(disks, bad, *short) == (0, ["bad.png"], True)
     for change in (("--max-steps", 3), (*short, "--beta", 0.3), (*short, "--again")):
@@ -221,7 +223,9 @@ def test_a_batch_of_images_of_the_same_name_overwrites_nothing_of_an_earlier_one
     again.parent.mkdir()
     PIL.Image.open(disks).transpose(PIL.Image.Transpose.FLIP_TOP_BOTTOM).save(again)
     for image in (disks, again):
-        command("batch", image, "--session", session, "--output", out, "--max-steps", 5, "--export", "csv")
+        command(
+            "batch", image, "--session", session, "--output", out, "--max-steps", 5, "--contours", "--export", ".csv"
+        )
     assert [row["files"] for row in table(out)] == ["disks_contours.csv", "disks_contours_2.csv"]
 
 
@@ -229,7 +233,7 @@ def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(com
     row, col = np.mgrid[:60, :100]
     PIL.Image.fromarray((220 * (np.hypot(row - 12, col - 50) < 20)).astype(np.uint8)).save(tmp_path / "cut.png")
     save_session(SessionFile(shapes=(Circle((14.0, 50.0), 10.0),)), tmp_path / "a.cpm")
-    line = ("batch", tmp_path / "cut.png", "--session", tmp_path / "a.cpm", "--output", tmp_path / "o", "--workers", 1)
+    line = ("batch", tmp_path / "cut.png", "--session", tmp_path / "a.cpm", "--output", tmp_path / "o", "--contours")
     status, out, err = command(*line)
     assert status == 1
     assert "cut.png: .png was not written: " in err
@@ -249,7 +253,7 @@ def test_one_table_joins_the_measures_of_all_images_of_a_folder(command, session
         run = ("--session", session, "--max-steps", 60)
         command("run", image, *run, "--export", alone)
         tables += csv.DictReader(alone.read_text().splitlines())
-        command("batch", image, *run, "--output", out, "--workers", 1)
+        command("batch", image, *run, "--output", out, "--workers", 1, "--contours")
     with (out / "measures.csv").open(newline="") as stream:
         joined = csv.DictReader(stream)
         assert (joined.fieldnames[0], list(joined)) == ("image", tables)

@@ -8,7 +8,7 @@ import tifffile
 
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.parameters import PRESETS
-from cpm_core.shapes import BoxRegion, Circle, Sphere
+from cpm_core.shapes import BoxRegion, Circle, Everywhere, Sphere
 
 SPHERE = ("--sphere", "9.5,9.5,9.5,3")
 
@@ -56,6 +56,21 @@ def test_every_start_leads_to_the_surface(folder, told, start):
     facts = told("run", folder / "ball.npy", *words)
     assert facts["converged"]
     assert facts["vertices"] - facts["faces"] / 2 == 2
+
+
+def test_the_objects_of_a_run_in_a_volume_are_its_bodies_by_a_batch_as_well(folder, told, command, tmp_path):
+    facts = told("run", folder / "ball.npy", "--volume", "--auto", "grid", "--objects", "--export", tmp_path / "a.tif")
+    assert facts["volume"] == pytest.approx(4.0 / 3.0 * np.pi * 6.0**3, rel=0.05)
+    image = ImageFile(str(folder / "ball.npy"), shape=(20, 20, 20))
+    save_session(SessionFile(image, (Everywhere("grid"),), PRESETS["volume"]), tmp_path / "a.cpm")
+    batch = ("batch", folder / "ball.npy", "--session", tmp_path / "a.cpm", "--output", tmp_path / "o", "--workers", 1)
+    assert command(*batch)[0] == 0
+    assert {path.name for path in (tmp_path / "o").iterdir()} == {
+        *("ball_objects.tif", "ball_objects.table.csv", "summary.csv", "objects.csv")
+    }
+    labels = tifffile.imread(tmp_path / "a.tif")
+    np.testing.assert_array_equal(tifffile.imread(tmp_path / "o" / "ball_objects.tif"), labels)
+    assert np.unique(labels).tolist() == [0, 1]
 
 
 def test_a_region_and_a_barrier_limit_the_surface(folder, told):

@@ -46,7 +46,8 @@ def test_a_batch_takes_the_part_that_the_session_shows_of_each_file(command, ses
     write(tmp_path / "other.ome.tif")
     PIL.Image.fromarray(RIGHT.astype(np.uint8)).save(tmp_path / "plain.png")
     status, _, _ = command("batch", tmp_path / "other.ome.tif", tmp_path / "plain.png", "--session", session,
-                             "--output", tmp_path / "out", "--export", "measures.csv", "--workers", 1)  # fmt: skip
+                             "--output", tmp_path / "out", "--contours", "--export", "measures.csv",
+                             "--workers", 1)  # fmt: skip
     assert status == 0
     for name in ("other.ome", "plain"):
         assert areas(tmp_path / "out", name) == pytest.approx([np.pi * 49], rel=0.05)

@@ -1,7 +1,5 @@
 """The table of contours: nesting against brute force, lengths and areas against geometry."""
 
-from functools import partial
-
 import matplotlib.path
 import numpy as np
 import pytest
@@ -10,7 +8,7 @@ from hypothesis import strategies as st
 
 from cpm_core import Contour
 from cpm_core.contours.measurements import containment, measure
-from cpm_core.field.region_contrast import mean_contrast
+from cpm_core.field.region_contrast import MeanContrast
 
 from ..scenes import circle_points
 
@@ -76,7 +74,7 @@ def test_a_row_agrees_with_geometry():
 def test_contrast_is_measured_where_there_is_an_image_and_only_on_request():
     values = np.where(np.arange(40) < 20, 0.0, 100.0) * np.ones((40, 1))
     points = np.stack([np.arange(10.0, 30.0), np.full(20, 19.5)], axis=1)
-    sides = partial(mean_contrast, values, points, np.tile([0.0, 1.0], (20, 1)), 1.0)
+    sides = MeanContrast(values, points, np.tile([0.0, 1.0], (20, 1)), 1.0)
     seen = Contour(points, closed=False, measure_contrast=sides)
     assert measure([seen])[0].contrast == pytest.approx(1.0, abs=0.1)
     assert measure([seen], contrast=False)[0].contrast is None

@@ -21,7 +21,7 @@ from cpm_core.field.placed_charges import (
 VOLUME = cpm.PRESETS["volume"]
 SPACING = (2.0, 1.0, 1.0)
 CENTER = np.array([28.0, 28.0, 20.0]) / SPACING
-START = cpm.sphere(tuple(CENTER), 4.0, 60, spacing=SPACING)
+START = cpm.sphere(tuple(CENTER), 4.0, 60, voxel_size=SPACING)
 
 
 @cache

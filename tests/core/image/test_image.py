@@ -4,6 +4,8 @@ import re
 
 import numpy as np
 import pytest
+import scipy
+import skimage
 
 from cpm_core.image.image import MINIMUM_SIDE, Image
 
@@ -38,6 +40,39 @@ def test_masked_pixels_of_a_read_only_array_are_filled():
     assert given.max() == 119.0
 
 
+@pytest.mark.parametrize("kind", [np.float16, np.float32, np.float64])
+def test_pixels_that_are_no_number_are_filled_as_masked_ones_are(kind):
+    given = np.arange(120.0).reshape(10, 12).astype(kind)
+    lacking = np.where(given > 100.0, kind(np.nan), given)
+    image = Image(lacking)
+    assert np.array_equal(image.values, Image(np.ma.masked_greater(given, 100.0)).values)
+    assert image.notes == ("19 pixels have no data, filled from around: contours there mean nothing.",)
+    both = Image(np.ma.masked_array(lacking, np.arange(120).reshape(10, 12) < 5))
+    assert (both.gray_range, both.notes[0][:9]) == ((5.0, 100.0), "24 pixels")
+
+
+def test_a_color_pixel_without_a_number_is_filled_too():
+    samples = np.random.default_rng(1).random((10, 12, 3))
+    samples[3, 4, 1] = np.nan
+    image = Image(samples)
+    assert np.isfinite(image.values).all()
+    assert image.notes[-1].startswith("1 pixel has no data")
+
+
+def test_an_image_is_an_array_for_numpy_and_its_friends():
+    image = Image(np.arange(120, dtype=np.uint8).reshape(10, 12))
+    assert np.asarray(image) is image.values
+    assert np.array(image, np.float32).dtype == np.float32
+    assert np.array(image).flags.writeable
+    assert (image.dtype, image.shape, image.ndim) == (np.asarray(image).dtype, (10, 12), 2)
+    with pytest.raises(ValueError, match="copy"):
+        np.array(image, np.float32, copy=False)
+    assert float(np.mean(image)) == 59.5
+    assert np.array_equal(scipy.ndimage.gaussian_filter(image, 1.0), scipy.ndimage.gaussian_filter(image.values, 1.0))
+    for function in (skimage.filters.gaussian, skimage.feature.canny, skimage.filters.median):
+        assert len(function(image)) == len(function(image.values))
+
+
 def test_integers_keep_their_type_and_are_converted_once_for_an_image_of_another_spacing():
     image = Image(np.arange(120, dtype=np.uint8).reshape(10, 12), notes=("first",))
     other = image.with_spacing((0.5, 0.25), "mm")
@@ -70,8 +105,8 @@ def test_every_kind_of_real_number_keeps_its_value(kind):
         (np.zeros((1, 1)), "dot.png is 1 x 1 px"),
         (np.zeros((MINIMUM_SIDE - 1, 100)), "dot.png is 7 x 100 px"),
         (np.zeros((100, 0)), "dot.png is 100 x 0 px"),
-        (np.full((8, 8), np.nan), "dot.png holds 64 values that are NaN or infinite"),
-        (np.where(np.eye(8) == 1, -np.inf, 0), "dot.png holds 8 values that are NaN or infinite"),
+        (np.full((8, 8), np.nan), "dot.png holds no data: all its values are NaN or masked"),
+        (np.where(np.eye(8) == 1, -np.inf, 0), "dot.png holds 8 infinite values"),
         (np.zeros((8, 8), dtype=complex), "dot.png holds values of type complex128"),
         (np.full((8, 8), "a"), "dot.png holds values of type <U1"),
     ],

@@ -17,7 +17,7 @@ VOLUME = cpm.PRESETS["volume"]
 SHAPE, SPACING = (14, 26, 27), (2.0, 1.0, 1.0)
 CENTER = np.array([13.2, 12.4, 13.1]) / SPACING
 RADIUS = 8.0
-START = cpm.sphere(tuple(CENTER), 4.0, 60, spacing=SPACING)
+START = cpm.sphere(tuple(CENTER), 4.0, 60, voxel_size=SPACING)
 
 
 @cache

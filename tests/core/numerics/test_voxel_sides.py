@@ -16,11 +16,11 @@ BALL = np.where(np.linalg.norm(np.indices((12, 12, 12)) - 5.5, axis=0) < 3.5, 20
     [
         lambda sides: cpm.Image(BALL, sides),
         lambda sides: cpm.centerlines(BALL > 99.0, sides),
-        lambda sides: cpm.sphere((5.5, 5.5, 5.5), 2.0, spacing=sides),
+        lambda sides: cpm.sphere((5.5, 5.5, 5.5), 2.0, voxel_size=sides),
     ],
 )
 def test_sides_that_make_no_sense_are_refused_in_a_sentence(use, sides):
-    with pytest.raises(ValueError, match=r"pacing.* is \(.*\.$"):
+    with pytest.raises(ValueError, match=r"(spacing|voxel_size).* is \(.*\.$"):
         use(sides)
 
 

@@ -75,7 +75,7 @@ def test_clicks_one_after_the_other_are_those_at_once_and_one_outside_takes_a_bo
 def test_the_result_of_a_run_is_cut_along_its_surface():
     inside = np.minimum(9.0 - _away(SHELL), _away(SHELL) - 5.0)
     image = cpm.Image(200.0 * np.clip(0.5 + inside / 1.5, 0.0, 1.0), spacing=SPACING, unit="mm")
-    start = cpm.sphere(WALL, 2.0, 60, spacing=SPACING)
+    start = cpm.sphere(WALL, 2.0, 60, voxel_size=SPACING)
     cut = cpm.partition(cpm.segment(image, start, cpm.PRESETS["volume"]))
     assert cut.select([HOLLOW]).volume == pytest.approx(EMPTY, rel=0.05)
     assert cut.select([WALL]).volume == pytest.approx(FULL - EMPTY, rel=0.03)

@@ -50,11 +50,11 @@ def test_a_disk_that_splits_gives_its_track_to_one_part_and_the_other_tells_wher
 
 
 def test_a_page_that_cannot_be_used_is_a_sentence_and_the_tracks_go_on_after_it():
-    bad = np.where(np.arange(SHAPE[1]) == 3, np.nan, MOVING[2])
+    bad = np.where(np.arange(SHAPE[1]) == 3, np.inf, MOVING[2])
     pages = list(cpm.follow_pages([MOVING[0], np.full(SHAPE, 7.0), bad, MOVING[1]], cpm.circle((32, 22), 5.0)))
     assert [page.result is None for page in pages] == [False, True, True, False]
     assert "constant" in pages[1].error
-    assert "NaN" in pages[2].error
+    assert "infinite" in pages[2].error
     assert tracks_of(pages) == [[1], [], [], [1]]
 
 

@@ -29,10 +29,10 @@ CASES = {
     "below zero": (lambda: cpm.Image(ball(), spacing=(1.0, -1.0, 1.0)), r"spacing of image is .* three positive"),
     "not a number": (lambda: cpm.Image(ball(), spacing=(1.0, np.nan, 1.0)), r"spacing of image is .* three positive"),
     "constant": (lambda: np.full((20, 20, 20), 3.0), r"image is constant \(3 everywhere\) and has no edges"),
-    "NaN": (with_nan, r"image holds 1 value that is NaN or infinite"),
+    "no data": (lambda: np.full((20, 20, 20), np.nan), r"image holds no data: all its values are NaN or masked"),
     "infinite": (
         lambda: np.where(np.isnan(with_nan()), np.inf, ball()),
-        r"image holds 1 value that is NaN or infinite",
+        r"image holds 1 infinite value",
     ),
     "complex": (lambda: ball() + 1j, r"holds values of type complex128, but gray levels must be real numbers"),
     "four axes": (lambda: ball()[None], r"image has 4 dimensions \(1, 20, 20, 20\)"),

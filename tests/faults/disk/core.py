@@ -54,7 +54,7 @@ def run(folder: Path) -> str:
 def batch(folder: Path) -> str:
     """``cpm batch`` of three images, in one process."""
     images = [f"{folder}/{number}.npy" for number in range(3)]
-    place = ("--output", f"{folder}/out", "--workers", "1", "--export", "svg", "csv")
+    place = ("--output", f"{folder}/out", "--workers", "1", "--contours", "--export", "svg", ".csv")
     return _command("batch", *images, "--session", f"{folder}/start.cpm", "--max-steps", "1", *place)
 
 

@@ -78,7 +78,7 @@ def attempt(given: tuple[Array, Parameters, Array | None]) -> None:
     values, parameters, seeds = given
     try:
         start = uniform_grid(values.shape, 3.0) if seeds is None else seeds
-        found = segment(values, start, parameters, _MOST_STEPS)
+        found = segment(values, start, parameters, max_steps=_MOST_STEPS)
     except ValueError as error:
         check_sentence(error)
         return

@@ -102,7 +102,7 @@ def attempt(given: tuple[Voxels, Parameters, Array | None]) -> None:
     try:
         volume = Image(*voxels)
         start = sphere(tuple(0.5 * side for side in volume.shape), 5.0, 60) if seeds is None else seeds
-        found = segment(volume, start, parameters, _MOST_STEPS)
+        found = segment(volume, start, parameters, max_steps=_MOST_STEPS)
     except ValueError as error:
         check_sentence(error)
         return

@@ -24,7 +24,7 @@ Kill = Callable[..., End]
 
 _CENTERS = ((16.0, 16.0), (30.0, 17.0), (24.0, 33.0))
 _FILES = ("a.svg", "a.csv", "a.measures.csv", "a.json", "a.zip", "a.png")
-_SUFFIXES = ("svg", "csv")
+_SUFFIXES = ("svg", "measures.csv")
 _OLD = b"an older file\n"
 
 
@@ -46,7 +46,7 @@ def run(folder: Path) -> tuple[int, str]:
 def batch(folder: Path, steps: int) -> tuple[int, str]:
     """``cpm batch`` of all images, in one process."""
     images = (f"{number}.npy" for number in range(len(_CENTERS)))
-    place = ("--output", str(folder / "out"), "--workers", "1", "--export", *_SUFFIXES)
+    place = ("--output", str(folder / "out"), "--workers", "1", "--contours", "--export", *_SUFFIXES)
     return said_by("batch", *images, "--session", "start.cpm", "--max-steps", str(steps), *place)
 
 

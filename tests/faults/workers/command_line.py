@@ -78,5 +78,5 @@ def _batch_with(kills: int, seed: int, folder: Path) -> tuple[int, str]:
 
     threading.Thread(target=kill, daemon=True).start()
     images = [f"{folder}/{number}.npy" for number in range(3)]
-    place = ("--output", f"{folder}/out", "--workers", "2", "--export", "svg")
+    place = ("--output", f"{folder}/out", "--workers", "2", "--contours", "--export", "svg")
     return said_by("batch", *images, "--session", f"{folder}/start.cpm", "--max-steps", "2", *place)

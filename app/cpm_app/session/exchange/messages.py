@@ -46,10 +46,11 @@ log = logging.getLogger(__name__)
 class CoreFunctions:
     """The core's functions that run on the worker thread.
 
-    `load_image` and `load_volume` take a path, a callback that raises once the image is no longer wanted, and as
-    keywords the part of the file to read; `methods` make a method from an image, parameters and regions; `encode` makes
-    the bytes of a file, as `cpm_core.formats.to_bytes` does; `warm_up` compiles or loads the kernels until its first
-    argument returns True, and calls its second one with the compiled fraction; `warm_up_volumes` does so for volumes.
+    `load_image` and `load_volume` take a path, and as keywords `check_cancelled`, which raises once the image is no
+    longer wanted, and the part of the file to read; `methods` make a method from an image, parameters and regions;
+    `encode` makes the bytes of a file, as `cpm_core.formats.to_bytes` does; `warm_up` compiles or loads the kernels
+    until its first argument returns True, and calls its second one with the compiled fraction; `warm_up_volumes` does
+    so for volumes.
     """
 
     load_image: Callable[..., Image] = load_image

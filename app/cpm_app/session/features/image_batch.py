@@ -7,62 +7,88 @@ from functools import partial
 from pathlib import Path
 
 from cpm_app.model.document.saving import to_session_file
+from cpm_app.model.state.messages import BATCH_CATEGORY
 from cpm_app.model.text.language import explain_system_error, tr
 from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.opening import list_images
-from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
+from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_core.formats import SESSION_SUFFIX, SessionFile, save_session
-from cpm_core.numerics.types import frozen
+from cpm_core.numerics.types import Texts, frozen
 
-BATCH_CATEGORY = "batch"
-"""Category of messages about the batch."""
-
-_RESULTS_FOLDER = "contours"
+_RESULTS_FOLDER = "objects"
 """Name of the folder of results, inside the folder of images."""
 
 _APPLIED_SESSION = f"session{SESSION_SUFFIX}"
 """Name of the session that the results were made with, in their folder."""
 
-_SUMMARY_TABLE = "summary.csv"
-"""Name of the table of all results, in their folder."""
-
 
 @frozen
 class BatchDone:
-    """All images of a folder are done: their number, the number of unusable ones, and the table of all results."""
+    """All images of a folder are done.
+
+    Attributes
+    ----------
+    images, objects : int
+        Number of images, and of the objects found in them.
+    failed : tuple of str
+        Names of the images that could not be used.
+    folder : Path
+        Where everything was written.
+    """
 
     images: int
-    failed: int
-    table: Path
+    objects: int
+    failed: Texts
+    folder: Path
 
 
-def apply_to_folder(session: Session, folder: Path, on_done: Callable[[BatchDone], object]) -> BackgroundTask:
-    """Apply the present session to the images of a folder, on a thread; finished images are not run again."""
+def results_folder(folder: Path) -> Path:
+    """Return the folder that the results of the images in a folder are written to."""
+    return folder / _RESULTS_FOLDER
+
+
+def count_written_files(folder: Path, suffixes: Texts) -> int:
+    """Count the files of earlier results, in formats of these suffixes, of the images in a folder."""
+    try:
+        names = [path.name for path in results_folder(folder).iterdir()]
+    except OSError:
+        return 0
+    return sum(name.endswith(suffixes) and "_objects" in name for name in names)
+
+
+def apply_to_folder(
+    session: Session, folder: Path, suffixes: Texts, on_done: Callable[[BatchDone], object]
+) -> BackgroundTask:
+    """Write the objects of all images of a folder by the present session, on a thread; none is done twice.
+
+    `suffixes` are those of the formats that are written.
+    """
     session.messages.clear(BATCH_CATEGORY)
     document = session.document
-    if document.mode == "skeleton":
-        session.messages.show(
-            tr("Skeletons are found image by image: choose another mode to run many images."), True, BATCH_CATEGORY
-        )
-        return ENDED_TASK
-    if not document.starts:
-        session.messages.show(document.nothing_to_start_from, True, BATCH_CATEGORY)
-        return ENDED_TASK
-    name = tr("Running the images of {folder}…", folder=folder.name)
-    work = partial(_run_batch, to_session_file(document, {}), folder)
+    work = partial(_run_batch, to_session_file(document, {}), folder, suffixes)
     return session.tasks.start_task(
-        name, work, tr("running many images"), partial(CommandFailed, category=BATCH_CATEGORY), on_result=on_done
+        tr("Running the images of {folder}…", folder=folder.name),
+        work,
+        tr("running many images"),
+        partial(CommandFailed, category=BATCH_CATEGORY),
+        on_result=on_done,
     )
 
 
-def _run_batch(session: SessionFile, folder: Path, task: BackgroundTask) -> BatchDone:
-    from cpm_core.cli.batch import DEFAULT_SUFFIXES, Batch
+def describe_lack_of_start(session: Session) -> str:
+    """Return why the present session cannot be applied to other images; empty if it can."""
+    document = session.document
+    if document.mode == "skeleton":
+        return tr("Skeletons are found image by image: choose another mode to run many images.")
+    return "" if document.starts else document.nothing_to_start_from
+
+
+def _run_batch(session: SessionFile, folder: Path, suffixes: Texts, task: BackgroundTask) -> BatchDone:
+    from cpm_core.cli.batch import Batch
     from cpm_core.cli.workers import run_locally
 
-    images, output = tuple(map(str, list_images(folder))), folder / _RESULTS_FOLDER
-    if not images:
-        raise ValueError(tr("This folder contains no readable image: choose another one."))
+    images, output = tuple(map(str, list_images(folder))), results_folder(folder)
     try:
         output.mkdir(exist_ok=True)
     except OSError as error:
@@ -74,8 +100,9 @@ def _run_batch(session: SessionFile, folder: Path, task: BackgroundTask) -> Batc
             )
         ) from error
     save_session(session, output / _APPLIED_SESSION)
-    batch = Batch(images, session, output / _APPLIED_SESSION, output, DEFAULT_SUFFIXES)
+    batch = Batch(images, session, output / _APPLIED_SESSION, output, suffixes)
     for _ in batch.write_results(run_locally(batch.jobs, None, task.check_cancelled)):
         task.fraction = len(batch.rows) / len(images)
-    failed = sum(bool(row.trouble) for row in batch.rows.values())
-    return BatchDone(len(images), failed, output / _SUMMARY_TABLE)
+    rows = batch.rows.values()
+    failed = tuple(Path(row.image).name for row in rows if row.trouble)
+    return BatchDone(len(images), sum(row.found for row in rows), failed, output)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -23,9 +24,8 @@ from cpm_app.session.features.selector import (
     AnyPartition,
     Offer,
     PartitionUpdater,
-    SeededStart,
     Selector,
-    find_all_objects,
+    find_proposals,
     measure_extent,
 )
 from cpm_app.session.features.stack_pages import StackPages
@@ -38,7 +38,6 @@ from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.segmented import Click, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
-from cpm_core.shapes import Everywhere, Start
 
 _SAME_OBJECT_COVERAGE = 0.5
 """Share of an object covered by others from which it counts as one of them."""
@@ -130,7 +129,7 @@ class ObjectSelection(QObject):
         self._finding = ENDED_TASK
         self.partition_updater = PartitionUpdater(
             session,
-            lambda: self._in_use or self.selecting or bool(self._offered_starts or followed_objects.search),
+            lambda: self._in_use or self.selecting or bool(self._offers_run or followed_objects.search),
         )
         self.partition_updater.changed.connect(self._request_answer)
         self.partition_updater.changed.connect(self.changed)
@@ -180,7 +179,7 @@ class ObjectSelection(QObject):
         """Whether all that the run offers is shown; true if it offers nothing."""
         updater, last = self.partition_updater, self._answered
         shown = updater.is_current and last is not None and last.selector.partition is updater.partition
-        return not self._offered_starts or (shown and self._finding.is_over)
+        return not self._offers_run or (shown and self._finding.is_over)
 
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
@@ -299,7 +298,8 @@ class ObjectSelection(QObject):
         example = known[number]
 
         def find_new(task: BackgroundTask) -> list[Selection]:
-            alike = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
+            found = select_all(partition, [selection_from_object(example, partition.shape)])
+            alike = [each for each in found[1:] if isinstance(each, Selection)]
             taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
             new = [each for each in alike if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
             return new if known.may_overlap else [partition.remove_pixels(each, taken) for each in new]
@@ -362,18 +362,16 @@ class ObjectSelection(QObject):
         return next(((each.clicks, each.number) for each in self.proposals if each.key == number), ((), 0))
 
     @property
-    def _offered_starts(self) -> tuple[Start, ...]:
-        """The starts whose objects are offered, because the run from them has ended with a result.
+    def _offers_run(self) -> bool:
+        """Whether the objects of the run are offered, because it has ended with a result.
 
-        On a large image, or if the starts come from the previous page, there are none unless the tool for objects is in
+        On a large image, or if the starts come from the previous page, they are not unless the tool for objects is in
         use.
         """
         document, result = self._session.document, self._session.scene.result
         if result is None or not result.stop_reason:
-            return ()
-        if not self._in_use and (math.prod(result.shape) > MAX_OFFERED_PIXELS or not self._pages.is_drawn(document)):
-            return ()
-        return self._session.run_updater.starts
+            return False
+        return self._in_use or (math.prod(result.shape) <= MAX_OFFERED_PIXELS and self._pages.is_drawn(document))
 
     def _on_scene_changed(self) -> None:
         """Offer the objects of a run once it has ended, but none of one that has been reset or continues."""
@@ -384,25 +382,22 @@ class ObjectSelection(QObject):
             self._request_answer()
 
     def _make_offer(self, partition: AnyPartition) -> Offer:
-        """Return the objects of the previous page, or the offer of the run: everything if it has started everywhere."""
-        starts, source, rejected = (
-            self._offered_starts,
-            self.partition_updater.source,
-            self._session.document.objects.rejected,
-        )
-        search = self._followed_objects.search
-        if not (isinstance(partition, Partition) and (search or any(isinstance(each, Everywhere) for each in starts))):
-            return Offer(tuple(start for start in starts if isinstance(start, SeededStart)), (), rejected)
-        if self._searched is not partition and (search or (isinstance(source, Result) and source.stop_reason)):
+        """Return the objects of the previous page, or what the run proposes."""
+        source, follow = self.partition_updater.source, self._followed_objects.search
+        rejected = self._session.document.objects.rejected
+        find: Callable[[BackgroundTask], tuple[Proposal, ...]]
+        if follow is not None and isinstance(partition, Partition):
+            find, name = partial(follow, partition), tr("Following objects…")
+        elif self._offers_run and isinstance(source, Result) and source.stop_reason:
+            find, name = partial(find_proposals, source), tr("Finding the objects of the run…")
+        else:
+            return Offer((), rejected)
+        if self._searched is not partition:
             self._searched, self._found = partition, ()
             self._finding.cancel()
-            self._finding = self._session.tasks.start_task(
-                tr("Following objects…") if search else tr("Finding objects between the contours…"),
-                partial(search or find_all_objects, partition),
-                tr("finding objects"),
-                on_result=partial(self._on_objects_found, partition),
-            )
-        return Offer((), self._found if self._searched is partition else (), rejected)
+            found = partial(self._on_objects_found, partition)
+            self._finding = self._session.tasks.start_task(name, find, tr("finding objects"), on_result=found)
+        return Offer(self._found, rejected)
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:

@@ -14,10 +14,10 @@ from cpm_app.model.document.running import run_document
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.kept_pages import record_state
-from cpm_app.session.features.selector import MAX_OFFERED_PIXELS, find_all_objects
+from cpm_app.session.features.selector import MAX_OFFERED_PIXELS, find_proposals
 from cpm_app.session.scene import Proposal
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_core import Engine, Partition, load_image
+from cpm_core import Engine, load_image
 from cpm_core.formats import SessionFile, adapt_reading
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
@@ -54,7 +54,7 @@ def prepare_proposals(path: Path, settings: SessionFile, task: BackgroundTask) -
     if sys.platform == "linux":  # elsewhere it would hold for the whole program
         os.setpriority(os.PRIO_PROCESS, 0, _BACKGROUND_NICENESS)
     reading = DEFAULT_READING if settings.image is None else settings.image.reading
-    image = load_image(path, task.check_cancelled, **adapt_reading(path, reading))
+    image = load_image(path, check_cancelled=task.check_cancelled, **adapt_reading(path, reading))
     if math.prod(image.shape) > MAX_OFFERED_PIXELS:
         return PreparedImage(path, image.file_sha256, settings)
     parameters = limit_scales(settings.parameters, image.shape)
@@ -62,6 +62,6 @@ def prepare_proposals(path: Path, settings: SessionFile, task: BackgroundTask) -
     engine, recorder = Engine(image, parameters, document.regions), RunRecorder()
     seeds = document.find_image_seeds(SeedCache(image))
     result = run_document(engine, document, seeds, partial(record_state, recorder, task))
-    proposals = find_all_objects(Partition.from_result(result), task) if result.contours else ()
+    proposals = find_proposals(result, task) if result.contours else ()
     file = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
     return PreparedImage(path, image.file_sha256, settings, proposals, file.runs)

@@ -52,7 +52,7 @@ def _objects_of(path: Path, task: BackgroundTask) -> Result | None:
     if file.image is None or not file.objects.items:
         return None
     load = load_volume if len(file.image.shape) == 3 else load_image
-    image = load(path, task.check_cancelled, **file.image.reading.arguments)
+    image = load(path, check_cancelled=task.check_cancelled, **file.image.reading.arguments)
     document = from_session_file(file, ImageReference.from_image(path, image, file.image.reading), file.parameters)
     if not has_objects_to_export(document):
         return None

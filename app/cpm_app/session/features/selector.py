@@ -38,11 +38,10 @@ from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Extent, JsonDict, Mask, frozen
 from cpm_core.objects import compute_iou
-from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, collect_points, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
+from cpm_core.results import find_objects
 from cpm_core.segmentation.select import EVERYWHERE_PARAMETERS
-from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
 
 _PARTITION_DELAY = 250
 """Time without a change of parameters or limits after which a run from everywhere is repeated [ms]."""
@@ -231,15 +230,6 @@ def _precompute_selection(made: AnyPartition) -> AnyPartition:
 MAX_OFFERED_PIXELS = 1 << 23
 """Number of pixels up to which a run from everywhere is started and objects are offered without a request."""
 
-_MAX_START_POINTS = 20
-"""Number of seeds of a start that are used as clicks on its body."""
-
-_SAME_OBJECT_OVERLAP = 0.5
-"""Overlap (intersection over union) from which the selections of two starts are the same object."""
-
-_UNCHANGED_OVERLAP = 0.97
-"""Overlap (intersection over union) from which a selection is identical to an existing object."""
-
 _MUCH_LARGER = 2.0
 """Ratio of sizes from which two objects do not count as the same."""
 
@@ -249,15 +239,11 @@ _SAMPLED_PIXELS = 100
 _MAX_KEPT_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
 
-SeededStart = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | BoxGrid
-"""Starts whose seeds are known without the image."""
-
 
 @frozen
 class Offer:
-    """Offer of a run: the objects of its starts, or all found objects, and the rejected ones to leave out."""
+    """Offer of a run: the objects that it proposes, and the rejected ones to leave out."""
 
-    starts: tuple[SeededStart, ...] = ()
     found: tuple[Proposal, ...] = ()
     rejected: tuple[SegmentedObject, ...] = ()
 
@@ -400,60 +386,34 @@ class Selector:
 
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:
-        """The offered objects, except for rejected and frozen ones, and for parts of merged or corrected ones.
-
-        An existing object is offered only if a start would change it, and never in a volume.
-        """
-        partition, offer = self.partition, self.offer
-        if isinstance(partition, VolumePartition):
-            return tuple(self._propose_bodies(partition, offer.starts))
-        found = _remove_covered(self._propose_from_starts(partition, offer.starts), offer.rejected)
-        found += _remove_covered(self._found, (*self.items, *offer.rejected))
-        known = [frozenset(item.clicks) for item in self.items]
-        return tuple(each for each in found if not any(frozenset(each.clicks) < clicks for clicks in known))
-
-    def _propose_from_starts(self, partition: Partition, starts: Sequence[SeededStart]) -> list[Proposal]:
-        """Propose the objects in which runs were started."""
-        found: list[Proposal] = []
-        for key, start in enumerate(starts, start=1):
-            clicks = (Click(as_line(start.seeds())),)
-            selection = self.selection_for(clicks)
-            if not isinstance(selection, Selection) or not selection.contours or selection.has_only_points:
-                continue  # nothing was found, as from a start across an edge
-            if any(compute_iou(selection.mask, other.selection.mask) > _SAME_OBJECT_OVERLAP for other in found):
-                continue
-            places = selection.inside[selection.contains(selection.inside)]  # none if a line was drawn around it
-            places = places if len(places) else _sample_pixels(selection)
-            known = next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
-            if known is None:
-                found.append(Proposal(selection, clicks, key=-key))
-            elif not known.frozen and compute_iou(known.mask(partition.shape), selection.mask) < _UNCHANGED_OVERLAP:
-                found.append(Proposal(selection, clicks, known.number, -key))
-        return found
-
-    def _propose_bodies(self, partition: VolumePartition, starts: Sequence[SeededStart]) -> list[Proposal]:
-        """Propose, for each start, the body that contains most of its seeds."""
-        found: list[Proposal] = []
-        clicked = (initial_clicks(item, partition.shape) for item in (*self.items, *self.offer.rejected))
-        within = (partition.find_body_numbers(collect_points(clicks, inside=True)).tolist() for clicks in clicked)
-        taken = {0, *chain.from_iterable(within)}
-        for key, start in enumerate(starts, start=1):
-            seeds = start.seeds()
-            bodies = partition.find_body_numbers(seeds)
-            body = int(np.bincount(bodies[bodies > 0], minlength=1).argmax())
-            if body not in taken:
-                taken.add(body)
-                clicks = (Click(as_line(seeds[bodies == body][:_MAX_START_POINTS])),)
-                selection = self.selection_for(clicks)
-                if selection is not None and selection.has_boundary:
-                    found.append(Proposal(selection, clicks, key=-key))
-        return found
+        """The offered objects, except for rejected ones, those that exist, and parts of merged or corrected ones."""
+        found, known = self.offer.found, (*self.items, *self.offer.rejected)
+        if isinstance(self.partition, VolumePartition):
+            left = _remove_taken_bodies(self.partition, found, known)
+        else:
+            left = _remove_covered(found, known)
+        new = {each.clicks for each in left}
+        joined = [frozenset(item.clicks) for item in self.items]
+        return tuple(
+            each
+            for each in self._found
+            if each.clicks in new and not any(frozenset(each.clicks) < clicks for clicks in joined)
+        )
 
 
-def find_all_objects(partition: Partition, task: BackgroundTask) -> tuple[Proposal, ...]:
-    """Find all objects of an image, each as the selection of a click where it is widest."""
-    found = enumerate(find_objects_everywhere(partition, task.check_cancelled))
+def find_proposals(result: Result, task: BackgroundTask) -> tuple[Proposal, ...]:
+    """Find the objects that a run proposes, each with the clicks that select it."""
+    found = enumerate(find_objects(result, task.check_cancelled))
     return tuple(Proposal(one, (Click(as_line(one.inside)),), key=~index) for index, one in found)
+
+
+def _remove_taken_bodies(
+    partition: VolumePartition, found: Sequence[Proposal], items: Sequence[SegmentedObject]
+) -> list[Proposal]:
+    """Return the proposals in a volume in whose bodies no object has been selected."""
+    clicked = (collect_points(initial_clicks(item, partition.shape), inside=True) for item in items)
+    taken = {0, *chain.from_iterable(partition.find_body_numbers(places).tolist() for places in clicked)}
+    return [each for each in found if taken.isdisjoint(partition.find_body_numbers(each.selection.inside).tolist())]
 
 
 def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:

@@ -222,13 +222,13 @@ def _read_image(
     if as_volume or (as_volume is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.is_volume):
         in_volume = {name: given for name, given in chosen.items() if name != "page"}
         try:
-            image = core.load_volume(path, check_cancelled, **in_volume)
+            image = core.load_volume(path, check_cancelled=check_cancelled, **in_volume)
         except ValueError as error:
             if as_volume:
                 raise
             refused = (explain_error(error),)
     if image is None:
-        image = core.load_image(path, check_cancelled, **chosen)
+        image = core.load_image(path, check_cancelled=check_cancelled, **chosen)
     image.gray_range  # noqa: B018 - cached here, because the window needs it
     return image, refused
 

@@ -84,7 +84,9 @@ class MessageLine(QFrame):
         before, self._messages = self._messages, messages
         shown = messages.shown
         if messages.news is not None and messages.news is not before.news:
-            self._timer.start()
+            self._timer.stop()
+            if not messages.news.lasts:
+                self._timer.start()
         if shown is before.shown:
             return
         self.setVisible(shown is not None)

@@ -54,7 +54,7 @@ _EXPORT_KEY_PREFIX = "export/"
 CHECKED_FORMATS_KEY = _EXPORT_KEY_PREFIX + "formats"
 """Preference: the checked formats, each as kind and suffix."""
 
-_DEFAULT_FORMATS = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
+DEFAULT_FORMATS = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
 """Formats that are checked until the user checks others."""
 
 _PICTURE_KINDS = frozenset({"pages", "space", "turntable", "run"})
@@ -177,7 +177,7 @@ class ExportDialog(QDialog):
         self._session.edit(tr("name classes"), partial(_name_classes, names=named))
         put = self._preferences.store_key
         shown = set(map(":".join, self.rows))
-        before = self._preferences.read_key(CHECKED_FORMATS_KEY, _DEFAULT_FORMATS)
+        before = self._preferences.read_key(CHECKED_FORMATS_KEY, DEFAULT_FORMATS)
         checked = [f"{file.kind}:{file.suffix}" for file in order.files]
         put(CHECKED_FORMATS_KEY, [*(key for key in before if key not in shown), *checked])
         for name, box in self._boxes.items():
@@ -254,7 +254,7 @@ class ExportDialog(QDialog):
         moving = ("run:", "turntable:")  # these take long and are never written unasked
         checked = [
             key
-            for key in self._preferences.read_key(CHECKED_FORMATS_KEY, _DEFAULT_FORMATS)
+            for key in self._preferences.read_key(CHECKED_FORMATS_KEY, DEFAULT_FORMATS)
             if not key.startswith(moving)
         ]
         self.list.blockSignals(True)  # the summary is updated once, after the last row

@@ -53,7 +53,7 @@ def start_animation_task(
 
     def write_frames(task: BackgroundTask) -> Report:
         advance: Callable[[int], None] = lambda written: task.advance(written / count)  # noqa: E731
-        write_animation(frames(task), path, frames_per_second, advance, comment=comment)
+        write_animation(frames(task), path, frames_per_second, comment=comment, progress=advance)
         return FilesExported(path)
 
     return start_writing_task(session, path, write_frames)

@@ -14,10 +14,11 @@ from PySide6.QtWidgets import QApplication
 from cpm_app.model.document import edits, imported
 from cpm_app.model.document.imported import ImportedContent
 from cpm_app.model.export import ExportFile, ExportKind, ExportOrder, has_objects_to_export
+from cpm_app.model.state.messages import BATCH_CATEGORY
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_particles, has_volume
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.exchange.messages import ImageOpened
-from cpm_app.session.features.image_batch import BATCH_CATEGORY, BatchDone, apply_to_folder
+from cpm_app.session.features.image_batch import BatchDone, apply_to_folder, describe_lack_of_start
 from cpm_app.session.features.import_contours import (
     ImportedDrawing,
     read_contour_file,
@@ -25,7 +26,9 @@ from cpm_app.session.features.import_contours import (
     save_pasted_picture,
 )
 from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY
+from cpm_app.session.tasks.opening import list_images
 from cpm_app.session.tasks.tasks import ENDED_TASK
+from cpm_app.views.export.batch_dialog import BatchDialog
 from cpm_app.views.export.dialog import CHECKED_FORMATS_KEY, Exportable, ExportDialog
 from cpm_app.views.export.frames import AnimationPlan
 from cpm_app.views.features.animation import AnimationFeature
@@ -34,6 +37,7 @@ from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.dialogs import ALL_FILES, AnswerButton, FileKind, QuestionDialog
 from cpm_app.views.window.window import Feature
 from cpm_core.formats import CENTERLINES_WRITABLE, CONTOURS_READABLE, IMAGES_READABLE, SURFACES_READABLE
+from cpm_core.numerics.types import Texts
 from cpm_core.shapes import Points
 
 
@@ -290,6 +294,10 @@ def _create_answer_buttons(found: ImportedContent, of_file: bool) -> Sequence[An
     return [*buttons, AnswerButton("cancel", tr("Cancel"), "cancel")]
 
 
+_MAX_NAMED_IMAGES = 3
+"""Largest number of images that are named as unusable."""
+
+
 class BatchFeature(Feature):
     """Application of the session to all images of a folder, one folder at a time."""
 
@@ -298,22 +306,33 @@ class BatchFeature(Feature):
         self._task = ENDED_TASK
         self.actions = (
             ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",
-                       "Run every image in a folder with the current starts and settings, and export the "
-                       "contours.",
+                       "Run every image in a folder with the current starts and settings, and export the objects.",
                        self._apply_session, "Ctrl+Alt+E",
                        when=lambda situation: has_image(situation) and self._task.is_over),
         )  # fmt: skip
 
     def _apply_session(self) -> None:
-        folder = self.window.files.ask_for_folder(tr("Folder of the images"))
-        if folder:
-            self._task = apply_to_folder(self.session, Path(folder), self._on_batch_done)
-            self.window.refresh_actions()
+        """Ask for the folder and the formats, unless the session cannot be applied."""
+        lacking = describe_lack_of_start(self.session)
+        if lacking:
+            self.session.messages.show(lacking, True, BATCH_CATEGORY)
+            return
+        chosen = self.window.files.ask_for_folder(tr("Folder of the images"))
+        if chosen:
+            folder, in_volume = Path(chosen), self.session.scene.slices is not None
+            dialog = BatchDialog(self.window, self.window.preferences, folder, list_images(folder), in_volume)
+            dialog.accepted.connect(lambda: self._run_folder(folder, dialog.suffixes))
+            dialog.open()
+
+    def _run_folder(self, folder: Path, suffixes: Texts) -> None:
+        self._task = apply_to_folder(self.session, folder, suffixes, self._on_batch_done)
+        self.window.refresh_actions()
 
     def _on_batch_done(self, done: BatchDone) -> None:
-        text = tr("{done} of {count} images finished.", done=done.images - done.failed, count=done.images)
-        more = tr("{failed} could not be used.", failed=done.failed)
-        table = tr("The table is in {path}.", path=done.table)
-        words = " ".join((text, more, table) if done.failed else (text, table))
-        self.session.messages.show(words, done.failed > 0, BATCH_CATEGORY)
+        parts = [tr("{done} of {count} images finished.", done=done.images - len(done.failed), count=done.images)]
+        parts.append(tr("Objects: {count}, in {path}.", count=done.objects, path=done.folder))
+        if done.failed:
+            names = ", ".join(done.failed[:_MAX_NAMED_IMAGES]) + ("…" if len(done.failed) > _MAX_NAMED_IMAGES else "")
+            parts.append(tr("Could not be used: {names}.", names=names))
+        self.session.messages.show(" ".join(parts), bool(done.failed), BATCH_CATEGORY)
         self.window.refresh_actions()

@@ -6,6 +6,7 @@ import multiprocessing
 import shlex
 
 import pytest
+from cpm_app.views.export.batch_dialog import BatchDialog
 from cpm_app.views.window.window import MainWindow
 from PIL import Image as Picture
 from PySide6.QtCore import Qt
@@ -29,25 +30,63 @@ def folder(tmp_path, monkeypatch):
     return place
 
 
-def apply(hand: Hand) -> None:
+def ask(hand: Hand) -> BatchDialog:
+    """The dialog on the chosen folder."""
+    hand.window.activateWindow()
+    hand.wait(hand.window.isActiveWindow)
     hand.key(Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier)
+    dialog = hand.window.findChild(BatchDialog)
+    assert dialog.isVisible()
+    return dialog
 
 
-def test_a_folder_is_run_as_by_the_command_line(ready: MainWindow, hand: Hand, folder, tmp_path) -> None:
-    apply(hand)
+def apply(hand: Hand) -> None:
+    """Run the chosen folder in the formats that are checked."""
+    dialog = ask(hand)
+    hand.qtbot.keyClick(dialog, Qt.Key.Key_Return)
+    hand.wait(lambda: not hand.window.findChildren(BatchDialog))
+
+
+def check(dialog: BatchDialog, *names: str) -> None:
+    """Check the formats of these names alone."""
+    for row in map(dialog.list.item, range(dialog.list.count())):
+        row.setCheckState(Qt.CheckState.Checked if row.text() in names else Qt.CheckState.Unchecked)
+
+
+def test_a_folder_gets_the_objects_as_by_the_command_line_in_the_checked_formats(
+    ready: MainWindow, hand: Hand, folder, tmp_path
+) -> None:
+    dialog = ask(hand)
+    assert (dialog.suffixes, dialog.summary.text()) == ((".table.csv",), "No file will be replaced.")
+    check(dialog)
+    assert not dialog.run_button.isEnabled()
+    check(dialog, "labelme", "Labels, TIFF", "CSV, one row per object")
+    hand.qtbot.mouseClick(dialog.run_button, Qt.MouseButton.LeftButton)
     assert not ready.actions_by_name["apply_to_folder"].isEnabled()
-    hand.wait(lambda: ready.canvas_area.messages.text.startswith("1 of 2 images finished. 1 could not be used."))
+    line = ready.canvas_area.messages
+    hand.wait(lambda: line.text.startswith("1 of 2 images finished. Objects: 1, in "))
+    assert line.text.endswith("Could not be used: broken.png.")
     assert ready.actions_by_name["apply_to_folder"].isEnabled()
     images = " ".join(shlex.quote(str(path)) for path in sorted(folder.glob("*.png")))
-    command = f"batch {images} --session {folder}/contours/session.cpm --output {tmp_path}/again --workers 1"
-    assert cli.main(shlex.split(command)) == 1
-    for file in (tmp_path / "again").iterdir():
-        if file.name != "summary.csv":
-            assert file.read_bytes() == (folder / "contours" / file.name).read_bytes()
-    assert {path.name for path in (folder / "contours").iterdir()} == {
-        *("session.cpm", "summary.csv", "measures.csv"),
-        *(f"disc_contours.{suffix}" for suffix in ("svg", "measures.csv", "png")),
-    }
+    command = f"batch {images} --session {folder}/objects/session.cpm --output {tmp_path}/images/again --workers 1"
+    assert cli.main([*shlex.split(command), "--export", "labelme", "masks", "csv"]) == 1
+    names = {f"disc_objects.{suffix}" for suffix in ("labelme.json", "tif", "table.csv")} | {"objects.csv"}
+    for name in names:
+        assert (folder / "again" / name).read_bytes() == (folder / "objects" / name).read_bytes()
+    assert {path.name for path in (folder / "objects").iterdir()} == {"session.cpm", "summary.csv", *names}
+    dialog = ask(hand)
+    assert dialog.suffixes == (".labelme.json", ".tif", ".table.csv")
+    assert dialog.summary.text().startswith("Files that will be replaced: 3, except")
+    dialog.reject()
+
+
+def test_the_end_of_a_folder_stays_to_be_read(ready: MainWindow, hand: Hand, folder) -> None:
+    (folder / "broken.png").unlink()
+    apply(hand)
+    line = ready.canvas_area.messages
+    hand.wait(lambda: line.text.startswith("1 of 1 images finished. Objects: 1, in "))
+    assert not line.is_error
+    assert not line._timer.isActive()
 
 
 def test_it_stops_when_it_is_canceled_and_leaves_no_process(ready: MainWindow, hand: Hand, folder) -> None:
@@ -58,7 +97,9 @@ def test_it_stops_when_it_is_canceled_and_leaves_no_process(ready: MainWindow, h
     hand.wait(lambda: ready.session.tasks.idle)
 
 
-def test_a_folder_without_an_image_is_reported(ready: MainWindow, hand: Hand, tmp_path, monkeypatch) -> None:
+def test_a_folder_without_an_image_is_not_run(ready: MainWindow, hand: Hand, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(tmp_path / "nowhere"))
-    apply(hand)
-    hand.wait(lambda: "contains no readable image" in ready.canvas_area.messages.text)
+    dialog = ask(hand)
+    assert "contains no readable image" in dialog.summary.text()
+    assert not dialog.run_button.isEnabled()
+    dialog.reject()

@@ -38,11 +38,11 @@ def huge(tmp_path: Path) -> Path:
 def patient(qapp, huge, image_file, compiled_loops):
     """A session for which the huge file comes from a drive that never ends to deliver it."""
 
-    def load(path: Path, go_on: Callable[[], None], **_: object):
+    def load(path: Path, check_cancelled: Callable[[], None], **_: object):
         while path == huge:
             time.sleep(0.01)
-            go_on()
-        return load_image(image_file, go_on)
+            check_cancelled()
+        return load_image(image_file, check_cancelled=check_cancelled)
 
     made = Workspace(replace(CoreFunctions(), load_image=load, load_volume=load))
     yield made

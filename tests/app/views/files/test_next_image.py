@@ -66,9 +66,9 @@ def held(window: MainWindow, monkeypatch: pytest.MonkeyPatch) -> threading.Event
     """The next images take until this event to be read."""
     ready = threading.Event()
 
-    def load(path: Path, go_on):
+    def load(path: Path, check_cancelled):
         assert ready.wait(20.0)
-        return load_image(path, go_on)
+        return load_image(path, check_cancelled=check_cancelled)
 
     monkeypatch.setattr(window.session._opener, "_core", CoreFunctions(load_image=load))
     return ready

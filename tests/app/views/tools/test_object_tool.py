@@ -12,7 +12,7 @@ from cpm_app.model.document.objects import accept_objects, delete_objects
 from cpm_app.model.text.assets import find_asset_folder
 from cpm_app.session.features import object_measures, object_selection, selector
 from cpm_app.session.features.object_selection import format_confidence
-from cpm_app.session.features.selector import find_all_objects
+from cpm_app.session.features.selector import find_proposals
 from cpm_app.session.scene import Proposal
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.widgets.fields import DecimalField
@@ -438,14 +438,14 @@ def doubtful(window, monkeypatch):
     """What a run from everywhere finds is doubtful but for one object, at this place."""
 
     def chosen(sure: tuple[float, float]):
-        def found(partition, task):
+        def found(result, task):
             return tuple(
                 replace(each, selection=replace(each.selection, confidence=0.9 if holds else 0.4))
-                for each in find_all_objects(partition, task)
+                for each in find_proposals(result, task)
                 for holds in each.selection.contains(np.array([sure]))
             )
 
-        monkeypatch.setattr(object_selection, "find_all_objects", found)
+        monkeypatch.setattr(object_selection, "find_proposals", found)
 
     return chosen
 
@@ -481,15 +481,14 @@ def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_
 def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, objects, monkeypatch) -> None:
     corner = (60.0, 4.0)
 
-    def found(partition, task):
+    def found(result, task):
         likely = [
-            replace(each, selection=replace(each.selection, confidence=0.9))
-            for each in find_all_objects(partition, task)
+            replace(each, selection=replace(each.selection, confidence=0.9)) for each in find_proposals(result, task)
         ]
-        doubtful = replace(partition.select(np.array([corner])), confidence=0.4)
+        doubtful = replace(partition(result).select(np.array([corner])), confidence=0.4)
         return (*likely, Proposal(doubtful, (Click((corner,)),)))
 
-    monkeypatch.setattr(object_selection, "find_all_objects", found)
+    monkeypatch.setattr(object_selection, "find_proposals", found)
     hint, listed = window.canvas_area.hint, window.workspace.object_list
     run_everywhere(hand, count=3)
     assert hint.text().startswith("3 objects found, 1 doubtful. Enter accepts 2 ")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cpm_core.field import scale_field
-from cpm_core.field.start_area.drawn_area import drawn_area, typical_radius
+from cpm_core.field.start_area.drawn_area import drawn_area, is_everywhere, typical_radius
 from cpm_core.field.start_area.start_area import find_start_area
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import circle, uniform_grid
@@ -182,3 +182,11 @@ def test_what_a_closed_row_of_places_covers_is_its_inside():
     assert area[away < 11.0].all()
     assert not area[away > 13.5].any()
     assert typical_radius(area) == pytest.approx(12.0, abs=1.5)
+
+
+@pytest.mark.parametrize("rows", [24, 37, 64, 100, 331])
+@pytest.mark.parametrize("cols", [24, 50, 97, 160, 398])
+def test_a_grid_is_everywhere_in_an_image_of_any_size_but_no_line_and_no_half_of_it(rows, cols):
+    assert is_everywhere(uniform_grid((rows, cols)), (rows, cols))
+    assert not is_everywhere(uniform_grid((rows, cols // 2)), (rows, cols))
+    assert not is_everywhere(circle((rows / 2, cols / 2), 0.4 * min(rows, cols)), (rows, cols))

@@ -123,7 +123,7 @@ CHARGES = (PlacedCharge((9.0, 13.0, 22.0), 0.5),)
 @pytest.fixture(scope="module")
 def solid_states(compiled_loops: None) -> list[State]:
     """The states of a run in a volume to its end, over two scales."""
-    found = [SOLID.start(sphere((9.5, 13.0, 13.0), 4.0, 50, spacing=SPACING))]
+    found = [SOLID.start(sphere((9.5, 13.0, 13.0), 4.0, 50, voxel_size=SPACING))]
     while not found[-1].stop_reason:
         found.append(SOLID.step(found[-1], VOLUME, CHARGES))
     return found

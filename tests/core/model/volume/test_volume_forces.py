@@ -27,7 +27,7 @@ def engine():
 
 @cache
 def states(charges=CHARGES):
-    found = [engine().start(cpm.sphere(tuple(CENTER), 4.0, 60, spacing=SPACING))]
+    found = [engine().start(cpm.sphere(tuple(CENTER), 4.0, 60, voxel_size=SPACING))]
     while not found[-1].stop_reason:
         found.append(engine().step(found[-1], VOLUME, charges))
     return found
@@ -150,7 +150,7 @@ def test_the_energy_of_particles_that_stay_the_same_falls_until_they_settle(monk
     """On the ridge of a curved edge the potential is a little higher than beside it, as the module tells."""
     nothing = VolumeBirths(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0))
     monkeypatch.setattr(time_step, "find_surface_insertions", lambda *_: nothing)
-    state = engine().start(cpm.sphere(tuple(CENTER), 4.0, 20, spacing=SPACING))
+    state = engine().start(cpm.sphere(tuple(CENTER), 4.0, 20, voxel_size=SPACING))
     energies, seated = [], []
     while state.step < 70:
         state = time_step.step_particles(state, engine().scale_field(VOLUME), VOLUME)

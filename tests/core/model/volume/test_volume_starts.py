@@ -26,7 +26,7 @@ def test_particles_lie_evenly_on_a_sphere():
 
 
 def test_a_sphere_is_round_in_units_of_length_where_voxels_are_no_cubes():
-    points = sphere((5.0, 6.0, 7.0), 4.0, 50, spacing=(2.0, 1.0, 0.5))
+    points = sphere((5.0, 6.0, 7.0), 4.0, 50, voxel_size=(2.0, 1.0, 0.5))
     away = (points - (5.0, 6.0, 7.0)) * (2.0, 1.0, 0.5)
     np.testing.assert_allclose(np.linalg.norm(away, axis=1), 4.0)
 
@@ -48,7 +48,7 @@ def test_particles_on_a_box_lie_on_its_faces_each_once():
         (lambda: sphere((1.0, 2.0, 3.0), 0.0), "radius is 0 but must be above 0"),
         (lambda: sphere((1.0, 2.0, 3.0), np.inf), "radius is inf"),
         (lambda: sphere((1.0, 2.0, 3.0), 1.0, 0), "count is 0 but must be a whole number"),
-        (lambda: sphere((1.0, 2.0, 3.0), 1.0, 5, (1.0, 0.0, 1.0)), "spacing is"),
+        (lambda: sphere((1.0, 2.0, 3.0), 1.0, 5, (1.0, 0.0, 1.0)), "voxel_size is"),
         (lambda: sphere("auto", 3.0), "center is"),
         (lambda: sphere(np.full((3, 2), np.nan), 3.0), "center is"),
         (lambda: sphere((1.0, 2.0, 3.0), 1j), "radius is"),
