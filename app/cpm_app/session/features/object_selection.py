@@ -122,6 +122,8 @@ class ObjectSelection(QObject):
         self._is_catching_up = False
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
+        self._is_searched = False
+        """Whether the search in the partition has ended."""
         self._selectors: dict[int, Selector] = {}
         self._request: SelectionRequest | None = None
         self._remark, self._was_ready = "", False
@@ -177,9 +179,9 @@ class ObjectSelection(QObject):
     @property
     def offer_is_known(self) -> bool:
         """Whether all that the run offers is shown; true if it offers nothing."""
-        updater, last = self.partition_updater, self._answered
-        shown = updater.is_current and last is not None and last.selector.partition is updater.partition
-        return not self._offers_run or (shown and self._finding.is_over)
+        newest, last = self._request, self._answered
+        shown = newest is not None and last is not None and last.selector is newest.selector
+        return not self._offers_run or (shown and self._is_searched and self.partition_updater.is_current)
 
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
@@ -393,7 +395,7 @@ class ObjectSelection(QObject):
         else:
             return Offer((), rejected)
         if self._searched is not partition:
-            self._searched, self._found = partition, ()
+            self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
             found = partial(self._on_objects_found, partition)
             self._finding = self._session.tasks.start_task(name, find, tr("finding objects"), on_result=found)
@@ -401,7 +403,7 @@ class ObjectSelection(QObject):
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
-            self._found = found
+            self._found, self._is_searched = found, True
             self._request_answer()
             self.changed.emit()
 
@@ -464,7 +466,7 @@ class ObjectSelection(QObject):
         if candidate is not None and request.candidate_step is not None:
             self._on_candidate(request.candidate_step, *candidate)
         last, self._answered = self._answered, request
-        if last is None or last.selector.partition is not request.selector.partition:
+        if last is None or last.selector is not request.selector:
             self.changed.emit()
         self._catch_up()
         if self._pointed is not None:
