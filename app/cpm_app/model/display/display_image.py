@@ -210,7 +210,7 @@ def shade_area(area: Mask) -> Pixels:
 
 def measure_area_share(shown: DisplayImage) -> float:
     """Return the share of an image, from 0 to 1, that an area shaded by `shade_area` covers."""
-    return float(np.count_nonzero(shown.levels[0]) / shown.levels[0].size)
+    return float((np.asarray(shown.levels[0]) > 0).mean())
 
 
 _POTENTIAL_OUTLIERS = 0.5
