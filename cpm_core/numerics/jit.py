@@ -36,7 +36,7 @@ def _numba() -> Any:
 
     was_enabled: list[bool] = []
 
-    class Pause(event.Listener):  # type: ignore[misc] # Numba has no types
+    class Pause(event.Listener):
         def on_start(self, event: Any) -> None:
             was_enabled.append(gc.isenabled())
             gc.disable()

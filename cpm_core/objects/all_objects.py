@@ -1,8 +1,8 @@
 """All objects of an image: of the regions that contours bound, and what the network makes of them, the likeliest.
 
 Each region that may be an object, and what the network changes it to, is a candidate with a probability. The likeliest
-one is an object; then the likeliest of those that do not overlap with it, and so on. What an unambiguous contour
-encloses without a neck competes as if it were at least as likely as not.
+one is an object; then the likeliest of those that do not overlap with it, and so on. For what an unambiguous contour
+encloses without a neck the odds are the geometric mean of those of a region and of an object that was selected.
 """
 
 from __future__ import annotations
@@ -17,7 +17,12 @@ import scipy
 from cpm_core.numerics.grids import bounding_window, expand_window
 from cpm_core.numerics.types import Array, Callback, Mask
 from cpm_core.objects.candidate_regions import BoundedRegion, CandidateRegions
-from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures, estimate_region_confidence
+from cpm_core.objects.confidence import (
+    ConfidenceFeatures,
+    RegionFeatures,
+    estimate_confidence,
+    estimate_region_confidence,
+)
 from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.prior.object_predictor import Prediction
@@ -26,9 +31,6 @@ from cpm_core.objects.selection import Selection
 
 _MIN_CONFIDENCE = 0.05
 """Least probability that an object is correct."""
-
-_UNAMBIGUOUS_RANK = 0.5
-"""Least probability with which a region that an unambiguous contour encloses competes with others."""
 
 _MIN_CERTAIN_CONFIDENCE = 0.3
 """Least probability with which a region may lie between objects whose edges rise the other way."""
@@ -82,8 +84,7 @@ def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> lis
     evidence = RegionEvidence(parts.partition)
     candidates = list(predict_candidates(parts, evidence, check))
     features = evidence.measure_candidates(candidates)
-    rated = map(RatedCandidate, candidates, features, map(estimate_region_confidence, features))
-    return choose_objects(rated, parts.partition.values)
+    return choose_objects(map(rate_candidate, candidates, features), parts.partition.values)
 
 
 def predict_candidates(
@@ -99,27 +100,35 @@ def predict_candidates(
 
 
 class RatedCandidate(NamedTuple):
-    """A candidate, what was measured of it, and the probability that it is an object."""
+    """A candidate, and the probability that it is an object."""
 
     candidate: ObjectCandidate
-    features: RegionFeatures
     confidence: float
 
-    @property
-    def rank(self) -> float:
-        """Probability with which it competes with others."""
-        unambiguous = self.features.unambiguous and not self.features.has_neck
-        return max(self.confidence, _UNAMBIGUOUS_RANK) if unambiguous else self.confidence
+
+def rate_candidate(candidate: ObjectCandidate, features: RegionFeatures) -> RatedCandidate:
+    """Rate a candidate by what was measured of it.
+
+    Whether a contour is unambiguous says little of the regions from which the rule for these was learned, and much of
+    the objects from which the other one was, so that both count there (a logarithmic opinion pool).
+    """
+    found = estimate_region_confidence(features)
+    if features.unambiguous and not features.has_neck:
+        selected = estimate_confidence(ConfidenceFeatures(*candidate.prediction[2:], 0, unambiguous=True))
+        found = float(scipy.special.expit(scipy.special.logit([found, selected]).mean()))
+    return RatedCandidate(candidate, found)
 
 
 def choose_objects(rated: Iterable[RatedCandidate], values: Array) -> list[FoundObject]:
     """Choose objects among the candidates of an image, shape (H, W); the likeliest come first."""
     chosen: list[FoundObject] = []
-    for one in sorted(rated, key=lambda one: -one.rank):
-        region = _fit_between(one.candidate.region, chosen, one.rank, values) if one.rank >= _MIN_CONFIDENCE else None
+    for one in sorted(rated, key=lambda one: -one.confidence):
+        if one.confidence < _MIN_CONFIDENCE:
+            break
+        region = _fit_between(one.candidate.region, chosen, one.confidence, values)
         if region is not None:
             chosen.append(FoundObject(region, one.candidate.prediction, one.confidence))
-    return sorted(chosen, key=lambda found: -found.confidence)
+    return chosen
 
 
 def _fit_between(

@@ -186,7 +186,8 @@ def _is_pierced(region: BoundedRegion, values: Array) -> bool:
     Lines with several holes are a net, in which these may be objects.
     """
     parts, count = scipy.ndimage.label(region.filled.mask & ~region.mask)
-    large = np.flatnonzero(np.bincount(parts.ravel())[1:] >= MIN_OBJECT_AREA) + 1 if count else ()
+    sizes = np.bincount(parts.ravel(), minlength=count + 1)[1:]
+    large = np.flatnonzero(sizes >= MIN_OBJECT_AREA) + 1
     if len(large) != 1:
         return False
     inner, outer = region.measure_rim_levels(values)

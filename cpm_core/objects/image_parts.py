@@ -91,11 +91,9 @@ class ImageParts:
         one, other = np.concatenate(sides, axis=1)
         one, other, on = np.concatenate([one, other]), np.concatenate([other, one]), np.tile(np.concatenate(along), 2)
         pixels = np.bincount(labels.ravel())
-        ends = np.array(_find_inner_borders(partition))
-        rim = [np.moveaxis(labels, axis, 0)[end] for axis, end in ((0, 0), (0, -1), (1, 0), (1, -1))]
-        borders = [line for line, inner in zip(rim, ends.T.ravel(), strict=True) if not inner]
-        around = np.bincount(np.concatenate([one, *borders]), minlength=len(pixels))
+        around = np.bincount(one, minlength=len(pixels))  # the border of the image bounds nothing, nor leaves it open
         bounded = np.bincount(one[on], minlength=len(pixels)) / np.maximum(around, 1)
+        ends = np.array(_find_inner_borders(partition))
         cut = np.zeros(len(pixels), bool)
         cut[labels[depth + _DEPTH_BLUR_REACH > _measure_border_distance(shape, ends)]] = True
         return cls(partition, labels, pixels, bounded, one, other, cut)

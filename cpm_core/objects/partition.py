@@ -199,6 +199,8 @@ class Partition(drawing.Pictured):
     1
     >>> partition.complete_object(chosen.mask, 301.0).shape
     (64, 64)
+    >>> int(partition.remove_pixels(chosen, np.indices((64, 64))[0] > 32).mask.sum())
+    160
     >>> axes = partition.plot()
     """
 

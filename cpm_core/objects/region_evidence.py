@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -102,7 +102,8 @@ class RegionEvidence:
         along = scipy.ndimage.maximum_filter(strength, 3)[rim]
         usual, weak = np.percentile(along, [50.0, _WEAK_PERCENTILE]) if along.size else (0.0, 0.0)
         likely = candidate.prediction
-        solidity = region.filled.area / np.count_nonzero(skimage.morphology.convex_hull_image(region.mask))
+        find_hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
+        solidity = region.filled.area / np.count_nonzero(find_hull(region.mask))
         return RegionFeatures(
             likely.predicted_iou,
             likely.mean_certainty,
@@ -116,7 +117,7 @@ class RegionEvidence:
             float(np.percentile(deep, _STRONG_PERCENTILE)) / max(usual, _TINY) if deep.size else 1.0,
             float(values[mask].std()) / self._gray_span,
             region.unambiguous,
-            solidity < _NECK_SOLIDITY and any(split_region(region)),
+            bool(solidity < _NECK_SOLIDITY) and any(split_region(region)),
         )
 
     @cached_property

@@ -24,7 +24,7 @@ from cpm_core.results.result import Result
 
 
 def objects_result(
-    selections: Sequence[Selection] | Sequence[VolumeSelection],
+    selections: Sequence[Selection | VolumeSelection],
     image: Image | None = None,
     names: Sequence[str] = (),
     channel: str = "luminance",
@@ -91,7 +91,6 @@ def objects_result(
         {"shape": "object", "inside": selection.inside.tolist(), "outside": selection.outside.tolist()}
         for selection in selections
     )
-    taken = image.resolve_channel(channel)
     made = Provenance(
         "objects", {"channel": taken}, shapes=clicks, sha256=image.sha256, of_file=bool(image.file_sha256)
     )

@@ -54,7 +54,7 @@ class UnreadableError(ValueError):
         self.images = images
 
 
-class MissingFileError(ValueError, FileNotFoundError):
+class MissingFileError(FileNotFoundError, ValueError):
     """A file does not exist."""
 
 

@@ -34,9 +34,9 @@ def constant(folder: Path) -> Path:
 
 
 def not_a_number(folder: Path) -> Path:
-    path = folder / "holes.npy"
+    path = folder / "endless.npy"
     values = np.eye(32)
-    values[3, 4] = np.nan
+    values[3, 4] = np.inf
     np.save(path, values)
     return path
 

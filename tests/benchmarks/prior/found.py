@@ -176,7 +176,7 @@ def stacked(images: Sequence[Candidates]) -> tuple[Array, Array, Array]:
 def score(image: Candidates, shown_as: Array) -> float:
     """F1 at an overlap of 0.5 of the objects that are chosen with some probabilities."""
     areas, hit, count = np.bincount(image.labels.ravel()), set(), 0
-    rated = map(RatedCandidate, image.candidates, image.signs, shown_as.tolist())
+    rated = map(RatedCandidate, image.candidates, shown_as.tolist())
     for one in choose_objects(rated, image.evidence.partition.values):
         count += 1
         common = np.bincount(image.labels[one.region.box][one.region.mask], minlength=len(areas))

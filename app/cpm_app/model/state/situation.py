@@ -8,8 +8,9 @@ from dataclasses import field
 from typing import Literal
 
 from cpm_app.model.document.document import Document
+from cpm_app.model.document.modes import needs_start
 from cpm_app.model.text.language import tr
-from cpm_core import Contour, Result, Skeleton, Surface
+from cpm_core import RUN_METHODS, Contour, Result, Skeleton, Surface
 from cpm_core.numerics.types import frozen
 
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
@@ -138,6 +139,12 @@ def has_particles(situation: Situation) -> bool:
 def has_contours(situation: Situation) -> bool:
     """Tell whether contours have been found."""
     return bool(situation.status.contours)
+
+
+def moves_particles(situation: Situation) -> bool:
+    """Tell whether the run moves particles, or without a run the next one."""
+    status = situation.status
+    return RUN_METHODS[status.method].seeded if status.started else needs_start(situation.document.mode)
 
 
 def can_step(situation: Situation) -> bool:

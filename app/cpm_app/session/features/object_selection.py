@@ -15,7 +15,6 @@ from PySide6.QtCore import QObject, Signal
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import AnySelection
-from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
@@ -31,6 +30,7 @@ from cpm_app.session.features.selector import (
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
@@ -121,6 +121,8 @@ class ObjectSelection(QObject):
         self._is_catching_up = False
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
+        self._is_searched = False
+        """Whether the search in the partition has ended."""
         self._selectors: dict[int, Selector] = {}
         self._request: SelectionRequest | None = None
         self._remark, self._was_ready = "", False
@@ -174,31 +176,11 @@ class ObjectSelection(QObject):
         return last.clicks == self._session.document.objects.clicks
 
     @property
-    def advice(self) -> str:
-        """Hint on what can be done with the proposals; empty if there are none, or if Enter accepts none of them."""
-        offered = self.proposals
-        keys = {row.key for row in self._list.rows_to_accept} if offered else set()
-        accepted = [each for each in offered if ("proposal", each.key) in keys]
-        if self.selecting:
-            hint = tr(
-                "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
-            )
-        elif 1 < len(accepted) < len(offered):
-            hint = tr("{chosen} of {count} objects are selected. Enter: accept them · {key:reject}: reject them")
-            if not self._list.selected_keys:
-                hint = tr("{chosen} of {count} objects are likely. Enter: accept them · {key:reject}: reject all")
-        elif len(accepted) > 1 and self._in_use:
-            hint = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
-        elif len(accepted) > 1:
-            hint = tr("{count} objects found. Enter: accept all · {key:objects}: select · {key:reject}: reject")
-        elif len(offered) > 1 and accepted:
-            hint = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
-        elif accepted:
-            hint = tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · {key:reject}: reject")
-        else:
-            return ""
-        likely = format_confidence(accepted[0].selection) if accepted else ""
-        return insert_keys(hint, count=len(offered), chosen=len(accepted), likely=likely and f", {likely}")
+    def offer_is_known(self) -> bool:
+        """Whether all that the run offers is shown; true if it offers nothing."""
+        newest, last = self._request, self._answered
+        shown = newest is not None and last is not None and last.selector is newest.selector
+        return not self._offers_run or (shown and self._is_searched and self.partition_updater.is_current)
 
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
@@ -388,7 +370,7 @@ class ObjectSelection(QObject):
         use.
         """
         document, result = self._session.document, self._session.scene.result
-        if result is None or not result.stop_reason or document.mode == "skeleton" or not document.starts:
+        if result is None or not result.stop_reason:
             return False
         return self._in_use or (math.prod(result.shape) <= MAX_OFFERED_PIXELS and self._pages.is_drawn(document))
 
@@ -411,7 +393,7 @@ class ObjectSelection(QObject):
         else:
             return ()
         if self._searched is not partition:
-            self._searched, self._found = partition, ()
+            self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
             found = partial(self._on_objects_found, partition)
             self._finding = self._session.tasks.start_task(name, find, tr("finding objects"), on_result=found)
@@ -419,10 +401,9 @@ class ObjectSelection(QObject):
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
-            self._found = found
+            self._found, self._is_searched = found, True
             self._request_answer()
-            if not found:
-                self._session.messages.show(tr("No object was found: click one, or start the run there."))
+            self.changed.emit()
 
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
@@ -482,7 +463,9 @@ class ObjectSelection(QObject):
         self._remark = remark
         if candidate is not None and request.candidate_step is not None:
             self._on_candidate(request.candidate_step, *candidate)
-        self._answered = request
+        last, self._answered = self._answered, request
+        if last is None or last.selector is not request.selector:
+            self.changed.emit()
         self._catch_up()
         if self._pointed is not None:
             self._request_answer()  # what a click there would do now
@@ -527,7 +510,8 @@ class ObjectSelection(QObject):
             self._session.messages.show(none)
         else:
             self._set_clicks(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
-            self._session.messages.show(tr("Candidate {number} of {count}.").format(number=number, count=count))
+            ranked = tr("Candidate {number} of {count}.", number=number, count=count)
+            self._session.messages.show(ranked, category=EDITING_CATEGORY)
 
     def _set_proposals(self, proposals: tuple[Proposal, ...]) -> None:
         """Replace the proposals; there are none while there is no partition."""

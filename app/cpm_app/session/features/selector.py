@@ -100,6 +100,11 @@ class PartitionUpdater(QObject):
         """Whether a run from everywhere is going on."""
         return not self._task.is_over
 
+    @property
+    def is_current(self) -> bool:
+        """Whether the partition is that of what the scene shows."""
+        return self.source is not None and self.source == self._current_source()
+
     def update_partition(self, again: bool = False) -> None:
         """Start to make the partition that is needed now if its source is new; `again` even if it has failed before."""
         if again and self._latest.idle and not self.preparing:
