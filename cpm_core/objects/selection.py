@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Arrays, Mask, record
+from cpm_core.numerics.types import Array, Arrays, Index, Mask, record
 from cpm_core.objects.confidence import ConfidenceFeatures
 from cpm_core.parameters.formatting import format_count, format_repr
 
@@ -91,7 +93,10 @@ CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; t
 """Remark on a selection by points that contradict each other."""
 
 
-def keep_last_marks(inside: Array, outside: Array, newer: Mask) -> tuple[Array, Array, bool]:
+_Points = TypeVar("_Points", Array, Index)
+
+
+def keep_last_marks(inside: _Points, outside: _Points, newer: Mask) -> tuple[_Points, _Points, bool]:
     """Keep the last mark of each pixel or voxel, and return whether any has two.
 
     `inside` and `outside` are points, shape (M, D) and (K, D); where they are in the same place, the positive ones
