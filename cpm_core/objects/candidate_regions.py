@@ -41,6 +41,9 @@ _FILLED_IOU = 0.8
 _MIN_BODY_SHARE = 0.1
 """Least area of a body beyond a neck, as a fraction of the region."""
 
+_MAX_CUT_SHARE = 0.5
+"""Largest share of the outer boundary of a region that may run along the border of the regions of interest."""
+
 
 class BoundedRegion(NamedTuple):
     """Pixels of an image: `mask` in a `box`, and whether an unambiguous contour encloses them."""
@@ -107,6 +110,18 @@ class BoundedRegion(NamedTuple):
         inner, outer = self.measure_rim_levels(values)
         return outer > inner
 
+    def measure_cut_share(self, interest: Mask) -> float:
+        """Measure the share of its outer boundary that runs along the border of the pixels of interest, shape (H, W).
+
+        Where it runs along the border of the image does not count.
+        """
+        window = expand_window(self.box, 1, interest.shape)
+        if interest[window].all():
+            return 0.0
+        mask = self.filled.cut_out(window)
+        around = scipy.ndimage.binary_dilation(mask) & ~mask
+        return float((~interest[window])[around].mean()) if around.any() else 0.0
+
     def measure_rim_levels(self, values: Array) -> tuple[float, float]:
         """Measure the mean gray level inside and outside of its outer boundary, in an image of shape (H, W)."""
         window = expand_window(self.box, _LEVEL_RIM_WIDTH, values.shape)
@@ -131,18 +146,21 @@ class CandidateRegions:
         Those with a hole through which the surroundings are seen.
     values : ndarray, shape (H, W)
         Gray levels of the image.
+    interest : ndarray of bool, shape (H, W)
+        Pixels in the regions of interest, whose border bounds no object.
     """
 
     regions: list[BoundedRegion]
     pierced: list[BoundedRegion]
     values: Array
+    interest: Mask
 
     @classmethod
     def from_parts(cls, parts: ImageParts) -> CandidateRegions:
         """Find the regions of an image; a contour around a region has the preference over a part."""
         partition = parts.partition
         whole = partition.shape if partition.parent is None else partition.parent.shape
-        found = cls([], [], partition.values)
+        found = cls([], [], partition.values, partition.interest)
         bounded = list(_find_bounded_regions(parts))
         for region in sorted(bounded, key=lambda one: -one.area):
             if _is_pierced(region, partition.values) and found.may_be_object(region):  # no hole of a larger one
@@ -164,7 +182,9 @@ class CandidateRegions:
             self.regions.append(region)
 
     def may_be_object(self, region: BoundedRegion) -> bool:
-        """Return whether a region is neither a hole of another nor another with its holes."""
+        """Return whether a region is more than a cut-out of interest, no hole of another, nor one with its holes."""
+        if region.measure_cut_share(self.interest) > _MAX_CUT_SHARE:
+            return False
         for other in self.pierced:
             filled = other.filled
             inside = region.measure_overlap(filled)

@@ -109,10 +109,12 @@ def is_everywhere(points: Array, shape: Extent, regions: AnyRegions | None = Non
     shape : tuple of int
         Shape of the image.
     regions : Regions or VolumeRegions, optional
-        Regions of interest outside which there need not be any.
+        Regions of interest, outside which no particle counts, nor needs there be one.
     sides : tuple of float
         Sides of a pixel, in which the distances of particles are even.
     """
+    if regions is not None:
+        points = points[regions.contains(points)]
     if len(points) < MIN_DRAWN_PLACES:
         return False
     extent, share = np.array(shape) * np.array(sides), 1.0

@@ -10,6 +10,7 @@ import pytest
 import cpm_core as cpm
 from cpm_core.formats import SessionFile, save_session
 from cpm_core.objects.all_objects import find_objects_everywhere
+from cpm_core.objects.selection import compute_iou
 from cpm_core.results.found_objects import is_run_everywhere, split_seeds
 from cpm_core.shapes import Circle, Everywhere, Grid, Sphere, Threshold
 from cpm_core.shapes.document_shapes import compute_seeds
@@ -71,6 +72,23 @@ def test_a_grid_in_a_region_of_interest_is_everywhere_in_it(disks) -> None:
     result = run(disks, cpm.uniform_grid(disks.shape), regions=regions)
     assert len(result.seeds) < 64 and is_run_everywhere(result)
     assert not is_run_everywhere(run(disks, cpm.circle(ONE, 5), regions=regions))
+
+
+def test_a_region_drawn_after_a_run_gives_the_objects_of_one_drawn_before_it(disks) -> None:
+    regions = cpm.Regions(interest=(((2.0, 2.0), (2.0, 34.0), (34.0, 34.0), (34.0, 2.0)),))
+    parameters = cpm.PRESETS["automatic"]
+    before = cpm.segment(disks, cpm.uniform_grid(disks.shape), parameters, regions=regions)
+    engine = cpm.Engine(disks, parameters)
+    state = engine.start(cpm.uniform_grid(disks.shape))
+    while not state.stop_reason:
+        state = engine.step(state, parameters)
+    engine, state = engine.with_regions(regions), state.resume()
+    while not state.stop_reason:
+        state = engine.step(state, parameters)
+    after = engine.result(state, parameters)
+    assert is_run_everywhere(after)
+    (there,), (here,) = before.objects, after.objects
+    assert compute_iou(there.mask, here.mask) > 0.95
 
 
 def test_rows_of_seeds_stay_together_and_clicks_are_apart() -> None:
