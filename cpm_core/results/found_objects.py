@@ -26,6 +26,9 @@ from cpm_core.parameters.provenance import Provenance
 FoundObjects = tuple[Selection | VolumeSelection, ...]
 """The objects that a run proposes, the best first."""
 
+MIN_LIKELY_CONFIDENCE = 0.7
+"""Confidence from which an object is likely."""
+
 _MIN_RULE_SHARE = 0.95
 """Least share of the places of a rule, such as the strong edges, at which a run began that began by this rule."""
 
@@ -95,6 +98,11 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObj
     if not pieces:
         return tuple(find_objects_everywhere(partition, check))
     return tuple(sorted(_find_started_objects(partition, pieces, check), key=lambda one: -one.confidence))
+
+
+def is_likely(found: Selection | VolumeSelection) -> bool:
+    """Return whether an object is likely, so that it is accepted together with others; bodies have no confidence."""
+    return isinstance(found, VolumeSelection) or found.confidence >= MIN_LIKELY_CONFIDENCE
 
 
 def is_run_everywhere(result: RunOutcome) -> bool:

@@ -32,6 +32,13 @@ from cpm_core.shapes import relative_sides
 Made = TypeVar("Made")
 
 
+def describe_unlikely(count: int) -> str:
+    """Describe what to do with a number of proposals none of which is likely."""
+    if count == 1:
+        return tr("1 found, and it is not likely: select it to accept it.")
+    return tr("{count} found, none of them is likely: select those to accept.", count=count)
+
+
 class ObjectCommands(QObject):
     """Accepts, rejects and edits the selected objects and proposals, and accepts contours of the run as objects."""
 
@@ -62,7 +69,8 @@ class ObjectCommands(QObject):
             self._list.objects, result, indices
         )  # fmt: skip
         if not rows and not copied:
-            self._session.messages.show(tr("There is nothing to accept: click in an object first."))
+            nothing = tr("There is nothing to accept: click in an object first.")
+            self._session.messages.show(describe_unlikely(len(offered)) if offered else nothing)
             return
         self._accept_rows(tr("accept {what}"), rows, copied=copied)
         self._session.end_gesture()

@@ -23,9 +23,8 @@ from cpm_app.session.features.object_rows import (
 from cpm_app.session.session import Session
 from cpm_core.numerics import Array, Place, Position, polyline
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
-
-MIN_SURE_CONFIDENCE = 0.7
-"""Confidence below which an object is doubtful."""
+from cpm_core.results import is_likely
+from cpm_core.shapes import Everywhere
 
 
 class ObjectList(QObject):
@@ -183,10 +182,18 @@ class ObjectList(QObject):
 
     @property
     def rows_to_accept(self) -> list[ObjectRow]:
-        """The `pending_rows` that Enter accepts: doubtful ones among others only if they are selected."""
-        rows, picked = self.pending_rows, bool(self.selected_keys)
-        sure = [row for row in rows if picked or row.item.confidence >= MIN_SURE_CONFIDENCE]
-        return sure or rows
+        """The `pending_rows` that Enter accepts: those that are selected, else the likely ones and the user's own.
+
+        The object being selected is the user's own, and so are objects followed from another page, and one that is
+        alone after a run from a drawn start.
+        """
+        rows = self.pending_rows
+        if self.selected_keys or self.objects.clicks:
+            return rows
+        alone = len(rows) == 1 and not any(isinstance(start, Everywhere) for start in self._session.document.starts)
+        offered = {each.key: each for each in self._session.scene.objects.proposals}
+        own = {key for key, each in offered.items() if alone or each.followed_object is not None}
+        return [row for row in rows if row.key[1] in own or is_likely(offered[row.key[1]].selection)]
 
     # Measuring
 

@@ -8,7 +8,7 @@ from cpm_app.model.state.resolve import describe_contours, describe_skeleton
 from cpm_app.model.state.surface_figures import describe_surface
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import MIN_SURE_CONFIDENCE
+from cpm_app.session.features.object_commands import describe_unlikely
 from cpm_app.session.features.object_rows import ObjectRow
 from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.features.workspace import Workspace
@@ -33,21 +33,17 @@ def describe_outcome(workspace: Workspace) -> str:
 
 
 def _describe_proposals(workspace: Workspace, offered: Sequence[ObjectRow]) -> str:
-    """Describe the rows of proposals by how sure they are; empty if Enter accepts none of them."""
+    """Describe the rows of proposals by how sure they are; empty if something else is selected."""
     listed = workspace.object_list
     accepted = [row for row in listed.rows_to_accept if row.kind == "proposal"]
     if not accepted:
-        return ""
-    doubtful = sum(row.item.confidence < MIN_SURE_CONFIDENCE for row in offered)
+        return describe_unlikely(len(offered)) if listed.pending_rows else ""
+    doubtful = len(offered) - len(accepted)
     one = len(accepted) == 1
     if listed.selected_keys:
         sentence = tr("{chosen} of {count} objects are selected. Enter accepts them · {key:reject}: reject them")
         if one:
             sentence = tr("1 of {count} objects is selected{likely}. Enter accepts it · {key:reject}: reject it")
-    elif doubtful == len(offered):
-        sentence = tr("Nothing sure was found: click an object. Enter accepts all {count} doubtful ones.")
-        if one:
-            sentence = tr("Nothing sure was found: click an object. Enter accepts the doubtful one.")
     elif doubtful:
         sentence = tr(
             "{count} objects found, {doubtful} doubtful. Enter accepts {chosen} · {key:objects}, click: select · "

@@ -9,7 +9,6 @@ import pyqtgraph as pg
 from PySide6.QtCore import Qt
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_list import MIN_SURE_CONFIDENCE
 from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves, FilledArea, Fills
@@ -19,6 +18,7 @@ from cpm_app.views.theme import theme
 from cpm_core import Selection
 from cpm_core.numerics import Array
 from cpm_core.objects.segmented import DEFAULT_CLASSES
+from cpm_core.results import is_likely
 
 _PROPOSAL_OPACITY = 0.2
 """Opacity of the area of a proposal."""
@@ -151,8 +151,8 @@ class ObjectLayer(Layer):
 
     def _show_proposals(self) -> None:
         found = [selection for _, selection in self._proposals]
-        sure = [each for each in found if each.confidence >= MIN_SURE_CONFIDENCE]
-        doubtful = [each for each in found if each.confidence < MIN_SURE_CONFIDENCE]
+        sure = [each for each in found if is_likely(each)]
+        doubtful = [each for each in found if not is_likely(each)]
         areas = [(_selection_curves(each), theme.PROPOSAL_COLOR, _PROPOSAL_OPACITY) for each in sure]
         self.proposal_fill.show_areas(
             [*areas, *((_selection_curves(each), theme.PROPOSAL_COLOR, _DOUBTFUL_OPACITY) for each in doubtful)]
@@ -170,9 +170,9 @@ class ObjectLayer(Layer):
             for key, found in offered
             if key in {*shown.selected, shown.hovered, 0}
             or len(offered) == 1
-            or (few and found.confidence < MIN_SURE_CONFIDENCE)
+            or (few and not is_likely(found))
         ]
-        texts = (f"{'? ' * (found.confidence < MIN_SURE_CONFIDENCE)}{format_confidence(found)}" for found in marked)
+        texts = (f"{'? ' * (not is_likely(found))}{format_confidence(found)}" for found in marked)
         highest = (tuple(min(np.concatenate(_selection_curves(found)).tolist())) for found in marked)
         self._probabilities.show_texts([(place, text, "#ffffff") for place, text in zip(highest, texts, strict=True)])
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from cpm_app.session.features import outcome
+from cpm_app.session.features import object_selection
 from cpm_app.session.features.object_selection import ObjectSelection
+from cpm_app.session.features.selector import find_proposals
 from PySide6.QtCore import Qt
 
 pytestmark = pytest.mark.shared_window
@@ -39,9 +42,36 @@ def test_the_tool_speaks_again_once_it_is_chosen(ready, hand) -> None:
     assert "no particle crosses" in ready.canvas_area.hint.text()
 
 
-def test_an_object_that_is_not_sure_is_not_called_found(ready, hand, monkeypatch) -> None:
-    monkeypatch.setattr(outcome, "MIN_SURE_CONFIDENCE", 1.1)
-    assert end_run(ready, hand) == "Nothing sure was found: click an object. Enter accepts the doubtful one."
+def make_unlikely(monkeypatch) -> None:
+    """Let nothing that a run finds be likely."""
+
+    def find_unlikely(result, task):
+        found = find_proposals(result, task)
+        return tuple(replace(each, selection=replace(each.selection, confidence=0.06)) for each in found)
+
+    monkeypatch.setattr(object_selection, "find_proposals", find_unlikely)
+
+
+def test_enter_accepts_an_unlikely_object_only_once_it_is_selected(window, hand, monkeypatch) -> None:
+    make_unlikely(monkeypatch)
+    window.actions_by_name["start_grid"].trigger()
+    said = end_run(window, hand)
+    assert said == "1 found, and it is not likely: select it to accept it."
+    with hand.qtbot.waitSignal(window.session.messages.shown) as shown:
+        hand.key(KEY.Key_Return)
+    assert shown.args[0] == said
+    assert not window.session.document.objects.items
+    (row,) = window.workspace.object_list.rows
+    window.workspace.object_list.select_items([row.key])
+    hand.key(KEY.Key_Return)
+    assert [item.confidence for item in window.session.document.objects.items] == [0.06]
+
+
+def test_the_only_object_of_a_drawn_start_is_the_own_of_the_user(ready, hand, monkeypatch) -> None:
+    make_unlikely(monkeypatch)
+    assert end_run(ready, hand).startswith("1 object found, 6 %. Enter accepts it")
+    hand.key(KEY.Key_Return)
+    assert len(ready.session.document.objects.items) == 1
 
 
 def test_contours_without_an_object_are_counted_and_a_click_is_advised(window, hand, monkeypatch) -> None:
