@@ -67,6 +67,9 @@ _MAX_GROWTH = 8.0
 _NEIGHBOR_REACH = 1.0
 """How far around an object such others are looked for, in lengths of the object."""
 
+_MIN_PART_AREA = 5
+"""Least area of a part of an object that limits have cut off from the rest [px²]."""
+
 _MIN_DRAWN_SHARE = 0.1
 """Least share of what has been drawn that lies in a body that the prompt means."""
 
@@ -501,9 +504,10 @@ class Partition(drawing.Pictured):
             held.append(np.argwhere(prompt.drawn_area[box] & part))
         if prompt.box is not None:
             held.append(np.argwhere(part))
-        mask[box] = _select_connected(
+        part = _select_connected(
             part, np.concatenate(held), find_crossings(self._find_barrier_paths(corner), part.shape).pixels
         )
+        mask[box] = _drop_fragments(part, ~free[box])
         return mask
 
     def complete_object(self, drawn: Mask, area: float) -> Mask:
@@ -554,6 +558,7 @@ class Partition(drawing.Pictured):
         mask = selection.mask & ~excluded
         if len(prompt.positive):
             mask = _select_connected(mask, prompt.positive)
+        mask = _drop_fragments(mask, excluded)
         left = self.build_selection(mask, selection.inside, selection.outside, selection.remark, selection.features)
         return replace(left, confidence=selection.confidence) if left.has_boundary else left
 
@@ -644,6 +649,19 @@ def _select_connected(mask: Mask, pixels: Index, barred: Mask | None = None) -> 
     held[parts[tuple(pixels.T)]] = True
     held[0] = False
     return held[parts]
+
+
+def _drop_fragments(mask: Mask, cut: Mask) -> Mask:
+    """Drop the small parts of a mask that lie apart along pixels cut from it, both of shape (H, W), beside larger ones."""
+    if not cut.any():
+        return mask
+    parts, count = scipy.ndimage.label(mask)
+    large = np.bincount(parts.ravel(), minlength=count + 1) >= _MIN_PART_AREA
+    if not large[1:].any():
+        return mask
+    beside_cut = np.zeros(count + 1, bool)
+    beside_cut[parts[scipy.ndimage.binary_dilation(cut, np.ones((3, 3), bool))]] = True
+    return mask & (large | ~beside_cut)[parts]
 
 
 def _cut_body_at_necks(mask: Mask, pixels: Index) -> Mask:

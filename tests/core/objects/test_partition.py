@@ -96,6 +96,21 @@ def test_points_that_change_nothing_leave_the_confidence_as_it_was(scene_partiti
     assert (len(after.inside), len(after.outside)) == (2, 2)
 
 
+def test_limits_leave_no_fragment_of_an_object(disk_partition):
+    whole = disk_partition.select([(47, 40)])
+    excluded = np.zeros(disk_partition.shape, bool)
+    rows, cols = np.nonzero(whole.mask)
+    top, col = int(rows.min()) + 4, int(cols[rows == rows.min()][0])
+    excluded[: top + 1] = True
+    excluded[top, col] = False  # one pixel stays, which touches the rest
+    excluded[top + 1, col] = True  # but at a corner alone
+    chosen = disk_partition.select([(47, 40)], excluded=excluded)
+    left = disk_partition.remove_pixels(whole, excluded)
+    for one in (chosen, left):
+        assert one.mask.any() and not one.mask[: top + 1].any()
+        assert len(one.contours) == 1
+
+
 def test_an_object_that_loses_pixels_stays_as_likely():
     (found, *_) = segment(example("disks"), uniform_grid((64, 64))).objects
     bare, excluded = Partition(found.image, ()), np.zeros((64, 64), bool)
