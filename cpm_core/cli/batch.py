@@ -16,7 +16,13 @@ from pathlib import Path
 from cpm_core.cli.arguments import add_options, add_parameter_options, parse_parameters
 from cpm_core.cli.output import EXIT_IN_PART, StatusLine, ensure_compiled, print_json, print_message, print_notes
 from cpm_core.cli.workers import BatchJob, BatchKind, BatchRow, run_locally, run_on_scheduler
-from cpm_core.formats import CONTOURS_WRITABLE, FORMATS_BY_NAME, VOLUMES_WRITABLE, find_named_suffix
+from cpm_core.formats import (
+    CONTOURS_WRITABLE,
+    FORMATS_BY_NAME,
+    VOLUMES_WRITABLE,
+    choose_file_name,
+    find_named_suffix,
+)
 from cpm_core.formats.common.atomic import append_bytes, draft_files, remove_abandoned_drafts, write_together
 from cpm_core.formats.common.content import compute_fingerprint, try_fingerprint
 from cpm_core.formats.common.printable import escape_cell, make_printable, unescape_cell
@@ -136,7 +142,8 @@ def run_batch(arguments: argparse.Namespace) -> int:
     else:
         for row in rows:
             if not row.trouble:
-                print(f"{make_printable(row.image)}: {format_count(row.found, arguments.kind[:-1])}")
+                likely = f", {row.facts['likely']} likely" if "likely" in row.facts else ""
+                print(f"{make_printable(row.image)}: {format_count(row.found, arguments.kind[:-1])}{likely}")
         more = (f", {failed} failed" if failed else "") + (f", {lacking} without some files" if lacking else "")
         tables = " and ".join(str(output / name) for name in batch.table_names)
         print(make_printable(f"{format_count(len(rows), 'image')} in {seconds:.1f} s{more}; wrote {tables}"))
@@ -211,7 +218,7 @@ class Batch:
         )  # fmt: skip
         self._stems = self._find_free_stems()
         # their files will be replaced, and no row may outlive its files if the batch is killed
-        replaced = {f"{stem}{suffix}".lower() for stem in self._stems.values() for suffix in suffixes}
+        replaced = {name.lower() for stem in self._stems.values() for name in self._name_files(stem)}
         self._earlier = [row for row in self._earlier if replaced.isdisjoint(name.lower() for name in row.files)]
 
     @property
@@ -247,17 +254,20 @@ class Batch:
         tried: dict[str, int] = {}
         for job in self.jobs:
             start = make_printable(Path(job.row.image).stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
-            first = f"{start}_{self._kind}"
-            for count in itertools.count(tried.get(first, 1)):
-                stem = first if count == 1 else f"{first}_{count}"
-                names = {f"{stem}{suffix}".lower() for suffix in self._suffixes}
+            for count in itertools.count(tried.get(start, 1)):
+                stem = start if count == 1 else f"{start}_{count}"
+                names = {name.lower() for name in self._name_files(stem)}
                 if taken.isdisjoint(names) and images.isdisjoint(
-                    (self._folder / f"{stem}{suffix}").resolve() for suffix in self._suffixes
+                    (self._folder / name).resolve() for name in self._name_files(stem)
                 ):
                     break
-            stems[job.number], tried[first] = stem, count
+            stems[job.number], tried[start] = stem, count
             taken |= names
         return stems
+
+    def _name_files(self, stem: str) -> Texts:
+        """Return the names of the files of an image whose names begin with a stem."""
+        return tuple(choose_file_name(stem, self._kind, suffix) for suffix in self._suffixes)
 
     def write_results(self, results: Generator[tuple[BatchJob, BatchRow]]) -> Iterator[BatchRow]:
         """Write the files and the row of each image as it is done, and yield the row; finally sort the table."""
@@ -276,7 +286,7 @@ class Batch:
 
     def _write_files(self, row: BatchRow, stem: str) -> BatchRow:
         """Write all files of an image, or none."""
-        contents = {f"{stem}{suffix}": content for suffix, content in row.contents.items()}
+        contents = {choose_file_name(stem, self._kind, suffix): content for suffix, content in row.contents.items()}
         try:
             write_together([(self._folder / name, content) for name, content in contents.items()])
         except ValueError as trouble:
@@ -305,7 +315,7 @@ class Batch:
             self._folder / name
             for row in self._list_table_rows()
             for name in row.files
-            if name.endswith(_TABLE_SUFFIXES[self._kind])
+            if name.endswith(choose_file_name("", self._kind, _TABLE_SUFFIXES[self._kind]))
         ]
         with (
             draft_files(self._folder / joined_name) as (draft,),
@@ -331,7 +341,7 @@ _LIST_COLUMNS = ("notes", "files")
 """Columns whose cells hold several items."""
 
 _FACT_COLUMNS: dict[str, Callable[[str], object]] = {
-    **dict.fromkeys(("objects", "contours", "closed", "particles", "steps"), int),
+    **dict.fromkeys(("objects", "likely", "contours", "closed", "particles", "steps"), int),
     "converged": "True".__eq__,
     "stop_reason": str,
     "seconds": float,

@@ -190,7 +190,7 @@ def _run_image(request: RunRequest) -> int:
         elif request.all_objects:
             chosen = tuple(one for one in result.objects if isinstance(one, Selection))
         if request.positive_points or request.all_objects:
-            shown = replace_by_objects(result, chosen)
+            shown = replace_by_objects(result, chosen, request.session.objects)
     seconds = time.perf_counter() - started
     files = OutputFiles()
     files.export_result(
@@ -229,7 +229,7 @@ def _run_image(request: RunRequest) -> int:
 def _select_bodies(found: Result, request: RunRequest) -> Result:
     """Restrict the surface of a result to the objects of the run, or to the bodies with the positive points, if any."""
     if request.all_objects:
-        return replace_by_objects(found, found.objects)
+        return replace_by_objects(found, found.objects, request.session.objects)
     if not request.positive_points:
         return found
     chosen = VolumePartition.from_result(found).select(request.positive_points, request.negative_points)

@@ -28,7 +28,7 @@ from cpm_core.formats.sessions.session_run import load_session_image, run
 from cpm_core.numerics.parallel import count_cores, limit_cores
 from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.parameters import Parameters
-from cpm_core.results import replace_by_objects
+from cpm_core.results import is_likely, replace_by_objects
 from cpm_core.results.result import Result
 from cpm_core.warm_up import is_compiled, warm_up
 
@@ -115,8 +115,8 @@ def run_job(job: BatchJob) -> BatchRow:
         shown = result = run(image, job.session, parameters, job.max_steps)
         facts = collect_run_facts(result, 0.0)
         if job.kind == "objects":
-            facts["objects"] = len(result.objects)
-            shown = replace_by_objects(result, result.objects)
+            facts["objects"], facts["likely"] = len(result.objects), sum(map(is_likely, result.objects))
+            shown = replace_by_objects(result, result.objects, job.session.objects)
         facts["seconds"] = round(time.perf_counter() - began, 3)
         contents, omitted = _encode_files(shown, job) if facts.get("objects", 1) else ({}, ())
         notes = (*list_image_notes(image, parameters), *small, *omitted)

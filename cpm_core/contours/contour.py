@@ -29,11 +29,12 @@ def check_color(what: str, color: str) -> None:
 
 @frozen
 class Label:
-    """Name and color, ``"#rrggbb"``, of the object with a number; either may be empty."""
+    """Name, color, ``"#rrggbb"``, and name of the class of the object with a number; each may be empty."""
 
     number: int
     name: str = ""
     color: str = ""
+    category: str = ""
 
     def __post_init__(self) -> None:
         check_color("a label", self.color)

@@ -88,6 +88,7 @@ from cpm_core.formats.writers import SKELETONS_WRITABLE as SKELETONS_WRITABLE
 from cpm_core.formats.writers import SURFACE_SUFFIXES as SURFACE_SUFFIXES
 from cpm_core.formats.writers import VOLUMES_WRITABLE as VOLUMES_WRITABLE
 from cpm_core.formats.writers import check_export as check_export
+from cpm_core.formats.writers import choose_file_name as choose_file_name
 from cpm_core.formats.writers import count_left_out as count_left_out
 from cpm_core.formats.writers import describe_omissions as describe_omissions
 from cpm_core.formats.writers import encode_descriptions as encode_descriptions

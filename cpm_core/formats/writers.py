@@ -207,6 +207,9 @@ SURFACE_SUFFIXES = frozenset(one.suffix for one in FILE_FORMATS if "space" in on
 FIGURE_SUFFIXES = frozenset(suffix for suffix in CONTOURS_WRITABLE if suffix.startswith(".figure"))
 """Suffixes of figures, which show the image."""
 
+_FILE_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv", ".nrrd": ".seg.nrrd"}
+"""Endings of files whose suffix only tells formats of a writer apart, and the one 3D Slicer expects."""
+
 _DESCRIBED_SUFFIXES = frozenset({".nii", ".nii.gz"})
 """Suffixes of masks without names, which a description of ITK-SNAP next to them holds."""
 
@@ -429,6 +432,14 @@ def find_format_suffix(path: AnyPath) -> str:
 def find_named_suffix(name: str) -> str:
     """Return the suffix of a format that is named by one of `FORMATS_BY_NAME`, or by its suffix."""
     return FORMATS_BY_NAME.get(name.lower(), f".{name.lower().lstrip('.')}")
+
+
+def choose_file_name(base: str, kind: str, suffix: str) -> str:
+    """Return the name of a file that a program names: that of the image, the kind of its content, and a common ending.
+
+    A file of labelme has the name of the image, as labelme opens both together.
+    """
+    return f"{base}.json" if suffix == ".labelme.json" else f"{base}_{kind}{_FILE_ENDINGS.get(suffix, suffix)}"
 
 
 def check_export(path: AnyPath) -> None:

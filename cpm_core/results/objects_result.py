@@ -16,6 +16,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Sides
 from cpm_core.objects.outline import OBJECT_SMOOTHING
+from cpm_core.objects.segmented import SegmentedObjects, class_label, object_label
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import VolumeSelection, require_image
 from cpm_core.parameters.formatting import quote_value
@@ -76,14 +77,38 @@ def objects_result(
         raise ValueError("no image is known for the objects: name it, or select objects of an image.")
     if not all(isinstance(one, VolumeSelection if image.ndim == 3 else Selection) for one in selections):
         raise ValueError(f"{image.source} has {image.ndim} axes: give objects that were selected in such an image.")
-    titles = list(names) or [f"object {number}" for number in range(1, len(selections) + 1)]
+    return _build_objects_result(selections, image, names or [""] * len(selections), channel, SegmentedObjects())
+
+
+def _build_objects_result(
+    selections: Sequence[Selection | VolumeSelection],
+    image: Image,
+    names: Sequence[str],
+    channel: str,
+    known: SegmentedObjects,
+) -> Result:
+    """Build the result of `objects_result`, whose objects are of the class that the next of the `known` ones gets."""
+    own = known.classes[known.category - 1]
+    category, color = class_label(known.category, own.name), own.color
     parts: list[tuple[Label, Any]] = [
-        (Label(number, title), one) for number, (one, title) in enumerate(zip(selections, titles, strict=True), start=1)
+        (Label(number, object_label(number, name, own.name), color, category), one)
+        for number, (one, name) in enumerate(zip(selections, names, strict=True), start=1)
     ]
     if image.ndim == 3:
         found: dict[str, Any] = {"surface": _join_bodies(parts, image)}
     else:
-        contours = (replace(line, group=to.number, name=to.name) for to, one in parts for line in one.contours)
+        contours = (
+            replace(
+                line,
+                group=to.number,
+                name=to.name,
+                color=to.color,
+                category=to.category,
+                confidence=float(one.confidence),
+            )
+            for to, one in parts
+            for line in one.contours
+        )
         gaps = [gap for _, one in parts for gap in one.gaps]
         found = {"contours": tuple(contours), "bridges": tuple(_measure_gaps(gaps, image, channel))}
     taken = image.resolve_channel(channel)
@@ -116,9 +141,17 @@ def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bri
     return [Bridge(gap, polyline.path_length(gap), float(mean)) for gap, mean in zip(gaps, means, strict=True)]
 
 
-def replace_by_objects(result: Result, selections: Sequence[Selection | VolumeSelection]) -> Result:
-    """Replace what a run found by objects selected from it; the provenance is that of the run, with the objects."""
-    found = objects_result(selections, require_image(result), channel=result.channel)
+def replace_by_objects(
+    result: Result,
+    selections: Sequence[Selection | VolumeSelection],
+    known: SegmentedObjects = SegmentedObjects(),
+) -> Result:
+    """Replace what a run found by objects selected from it; the provenance is that of the run, with the objects.
+
+    They are of the class that the next of the `known` objects gets.
+    """
+    names = [""] * len(selections)
+    found = _build_objects_result(selections, require_image(result), names, result.channel, known)
     drawn = (*result.provenance.shapes, *found.provenance.shapes)
     return replace(found, provenance=replace(result.provenance, method="objects", shapes=drawn))
 

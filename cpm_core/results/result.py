@@ -170,7 +170,8 @@ class Result(drawing.Pictured):
             column, of the contour), ``axis_major_length``, ``axis_minor_length``, ``eccentricity``, ``orientation``,
             ``equivalent_diameter_area``, ``solidity``, ``circularity`` (4π area_filled over the square of the outer
             perimeter), and of the gray levels inside ``intensity_mean``, ``intensity_std``, ``intensity_min`` and
-            ``intensity_max``. Of a volume: ``volume``, ``equivalent_diameter``, ``centroid``, ``bbox`` and gray levels.
+            ``intensity_max``. Of a volume: ``volume`` of the voxels (that
+            within the surface is `Surface.volume`), ``equivalent_diameter``, ``centroid``, ``bbox`` and gray levels.
         """
         sides, unit = (self.spacing, self.unit) if in_units else ((1.0,) * len(self.shape), None)
         gray = None if self.image is None else self.image.gray_levels(self.channel)

@@ -23,6 +23,7 @@ from cpm_core.formats import (
     SKELETONS_WRITABLE,
     STACKS_WRITABLE,
     VOLUMES_WRITABLE,
+    choose_file_name,
     count_left_out,
 )
 from cpm_core.image import Convention, has_matplotlib
@@ -92,9 +93,6 @@ _ALIAS_SUFFIXES = {".tiff": ".tif", ".nii": ".nii.gz", ".roi": ".zip", ".apng": 
 _OMITTED_SUFFIXES = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
 """Suffixes that are not offered for a kind, between spaces."""
 
-_FILE_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv", ".nrrd": ".seg.nrrd"}
-"""Endings of files whose suffix only tells formats of a writer apart, and the one 3D Slicer expects."""
-
 
 def list_export_formats(
     kind: ExportKind = "contours", in_volume: bool = False, of_dicom: bool = False
@@ -117,10 +115,10 @@ def list_export_formats(
 
 
 def export_file_name(base: str, kind: ExportKind, suffix: str, alone: bool) -> str:
-    """Return the name of a file; labelme opens one that is `alone` with the image if it has the name of the image."""
-    if suffix == ".labelme.json" and alone:
-        return f"{base}.json"
-    return f"{base}_{kind}{_FILE_ENDINGS.get(suffix, suffix) if kind != 'pages' else suffix}"
+    """Return the name of a file; of several for labelme, only one that is `alone` can have the name of the image."""
+    if kind == "pages" or (suffix == ".labelme.json" and not alone):
+        return f"{base}_{kind}{suffix}"
+    return choose_file_name(base, kind, suffix)
 
 
 HAND_EDITED_SUFFIXES = frozenset({".labelme.json"})

@@ -144,7 +144,7 @@ def encode_object_table(result: Outcome) -> bytes:
 
     The columns are those of `Result.table`, in the unit of the image if it is known, which ends their names
     (``area_um2``). For boundaries of objects, ``object`` is the number, ``class`` the class and ``confidence`` the
-    confidence. For a skeleton it is the table of `encode_measures`. ValueError when nothing is enclosed.
+    confidence; objects in a volume, whose number is ``label``, have a name and a class. For a skeleton it is the table of `encode_measures`. ValueError when nothing is enclosed.
     """
     if isinstance(result, Skeleton):
         return encode_measures(result)
@@ -169,6 +169,7 @@ def _build_object_rows(result: Result) -> list[Row]:
     """Build the rows of `encode_object_table`."""
     measured = result.table(in_units=bool(result.unit))
     firsts = {label: one for label, one in zip(assign_labels(result.contours), result.contours, strict=True) if label}
+    bodies = {} if result.surface is None else {body.number: body for body in result.surface.labels}
     columns: Row = {}
     for name, unit in measured.units.items():
         power = {"²": "2", "³": "3"}.get(unit[-1:], "")
@@ -185,6 +186,8 @@ def _build_object_rows(result: Result) -> list[Row]:
             if first.group:
                 row |= {"object": first.group, "class": escape_cell(first.category), "color": first.color}
                 row["confidence"] = "" if first.confidence is None else f"{first.confidence:.3g}"
+        elif (body := bodies.get(int(row["label"]))) is not None:
+            row |= {"name": escape_cell(body.name), "class": escape_cell(body.category), "color": body.color}
         rows.append(row | build_provenance_cells(result))
     return rows
 

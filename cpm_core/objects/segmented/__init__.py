@@ -18,6 +18,8 @@ from cpm_core.objects.segmented.segmented_object import Click as Click
 from cpm_core.objects.segmented.segmented_object import ObjectClass as ObjectClass
 from cpm_core.objects.segmented.segmented_object import SegmentedObject as SegmentedObject
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects as SegmentedObjects
+from cpm_core.objects.segmented.segmented_object import class_label as class_label
 from cpm_core.objects.segmented.segmented_object import collect_points as collect_points
 from cpm_core.objects.segmented.segmented_object import contours_from_object as contours_from_object
+from cpm_core.objects.segmented.segmented_object import object_label as object_label
 from cpm_core.objects.segmented.segmented_object import selection_from_object as selection_from_object

@@ -357,6 +357,16 @@ class SegmentedObjects:
         return item.color or self.classes[item.category - 1].color
 
 
+def class_label(category: int, name: str = "") -> str:
+    """Return what files call a class: its name, else "object" for the first one and "class" with its number."""
+    return name or ("object" if category == 1 else f"class {category}")
+
+
+def object_label(number: int, name: str = "", class_name: str = "") -> str:
+    """Return what files call an object: its name, else that of its class, or "object", with its number."""
+    return name or f"{class_name or 'object'} {number}"
+
+
 def collect_points(clicks: Clicks, *, inside: bool) -> Array:
     """Collect the positive points of clicks, or the negative ones, shape (N, D) [px]."""
     found = [place for click in clicks if click.inside == inside for place in click.places]

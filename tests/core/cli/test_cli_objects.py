@@ -7,6 +7,11 @@ import numpy as np
 import PIL.Image
 import pytest
 
+from cpm_core.formats.sessions.session_file import SessionFile, save_session
+from cpm_core.objects.segmented import DEFAULT_CLASSES, ObjectClass, SegmentedObjects
+from cpm_core.parameters import PRESETS
+from cpm_core.shapes import Everywhere
+
 CENTER, RADIUS = (40.0, 50.0), 18.0
 
 
@@ -69,13 +74,33 @@ def test_a_batch_writes_the_objects_of_each_image_in_formats_named_by_name_and_c
     reported = told(*batch, "--export", "labelme", "csv", "masks", ".png")
     assert [image["objects"] for image in reported["images"]] == [2, 0]
     assert (reported["failed"], reported["lacking_files"]) == (0, 0)
-    names = [f"disk_objects.{suffix}" for suffix in ("labelme.json", "table.csv", "tif", "png")]
+    assert reported["images"][0]["likely"] == sum(one["confidence"] >= 0.7 for one in told(*run)["objects"])
+    names = ["disk.json", *(f"disk_objects.{suffix}" for suffix in ("csv", "tif", "png"))]
     assert {path.name for path in out.iterdir()} == {*names, "objects.csv", "summary.csv"}
     assert (out / "disk_objects.tif").read_bytes() == (tmp_path / "run.tif").read_bytes()
-    assert (out / "disk_objects.table.csv").read_bytes() == (tmp_path / "run.table.csv").read_bytes()
-    shapes = json.loads((out / "disk_objects.labelme.json").read_text())
+    assert (out / "disk_objects.csv").read_bytes() == (tmp_path / "run.table.csv").read_bytes()
+    shapes = json.loads((out / "disk.json").read_text())
     assert shapes["imagePath"] == "../disk.png"
+    assert {(shape["label"], shape["description"]) for shape in shapes["shapes"]} == {
+        ("object", "object 1"), ("object", "object 2")
+    }  # fmt: skip
     with (out / "objects.csv").open(newline="") as stream:
-        assert [row["image"] for row in csv.DictReader(stream)] == ["disk.png", "disk.png"]
+        rows = list(csv.DictReader(stream))
+    assert [row["image"] for row in rows] == ["disk.png", "disk.png"]
+    assert [row["class"] for row in rows] == ["object", "object"]
+    assert all(row["color"] and 0.0 < float(row["confidence"]) < 1.0 for row in rows)
     _, said, err = command(*batch, "--export", "labelme", "csv", "masks", ".png")
-    assert "2 images done before" in err and "halves.png: 0 objects" in said
+    assert "2 images done before" in err and "halves.png: 0 objects, 0 likely" in said
+
+
+def test_the_objects_of_a_batch_are_of_the_class_that_the_session_gives_the_next_one(disk, command, tmp_path):
+    session, out = tmp_path / "a.cpm", tmp_path / "out"
+    classes = (DEFAULT_CLASSES[0], ObjectClass("nucleus", "#123456"), *DEFAULT_CLASSES[2:])
+    objects = SegmentedObjects(classes=classes, category=2)
+    save_session(SessionFile(None, (Everywhere("grid"),), PRESETS["automatic"], objects=objects), session)
+    batch = ("batch", disk, "--session", session, "--output", out, "--workers", 1, "--export", "csv")
+    assert command(*batch)[0] == 0
+    with (out / "disk_objects.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert {(row["class"], row["color"]) for row in rows} == {("nucleus", "#123456")}
+    assert [row["name"] for row in rows] == [f"nucleus {number}" for number in range(1, len(rows) + 1)]

@@ -89,9 +89,10 @@ def test_a_batch_does_to_each_image_what_a_run_does_and_reports_a_bad_one(comman
     assert "bad.png is" in err
     assert "3 images" in reported
     names = {path.name for path in out.iterdir()}
-    assert names == {"summary.csv", *(f"disks_contours{n}.{s}" for n in ("", "_2") for s in ("csv", "svg"))}
+    endings = ("vertices.csv", "svg")
+    assert names == {"summary.csv", *(f"disks{n}_contours.{s}" for n in ("", "_2") for s in endings)}
     command("run", "--session", session, "--max-steps", 40, "--export", tmp_path / "one.csv")
-    assert (out / "disks_contours.csv").read_bytes() == (tmp_path / "one.csv").read_bytes()
+    assert (out / "disks_contours.vertices.csv").read_bytes() == (tmp_path / "one.csv").read_bytes()
     rows = table(out)
     assert [Path(row["image"]).name for row in rows] == ["disks.png", "bad.png", "disks.png"]
     assert [bool(row["trouble"]) for row in rows] == [False, True, False]
@@ -226,7 +227,7 @@ def test_a_batch_of_images_of_the_same_name_overwrites_nothing_of_an_earlier_one
         command(
             "batch", image, "--session", session, "--output", out, "--max-steps", 5, "--contours", "--export", ".csv"
         )
-    assert [row["files"] for row in table(out)] == ["disks_contours.csv", "disks_contours_2.csv"]
+    assert [row["files"] for row in table(out)] == ["disks_contours.vertices.csv", "disks_2_contours.vertices.csv"]
 
 
 def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(command, tmp_path):
@@ -240,7 +241,7 @@ def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(com
     assert ", 1 without some files; wrote " in out
     assert command(*line)[0] == 1  # done before
     (row,) = table(tmp_path / "o")
-    assert (row["closed"], row["trouble"], row["files"]) == ("0", "", "cut_contours.svg; cut_contours.measures.csv")
+    assert (row["closed"], row["trouble"], row["files"]) == ("0", "", "cut_contours.svg; cut_contours.csv")
     assert "cut.png" in row["notes"]
     assert command(*line, "--export", "png", "--again")[0] == 1  # nothing at all can be written
 

@@ -1,5 +1,6 @@
 """``cpm run VOLUME --sphere``: what it prints, and what it refuses."""
 
+import csv
 import json
 
 import numpy as np
@@ -66,11 +67,15 @@ def test_the_objects_of_a_run_in_a_volume_are_its_bodies_by_a_batch_as_well(fold
     batch = ("batch", folder / "ball.npy", "--session", tmp_path / "a.cpm", "--output", tmp_path / "o", "--workers", 1)
     assert command(*batch)[0] == 0
     assert {path.name for path in (tmp_path / "o").iterdir()} == {
-        *("ball_objects.tif", "ball_objects.table.csv", "summary.csv", "objects.csv")
+        *("ball_objects.tif", "ball_objects.csv", "summary.csv", "objects.csv")
     }
     labels = tifffile.imread(tmp_path / "a.tif")
     np.testing.assert_array_equal(tifffile.imread(tmp_path / "o" / "ball_objects.tif"), labels)
     assert np.unique(labels).tolist() == [0, 1]
+    with (tmp_path / "o" / "ball_objects.csv").open(newline="") as stream:
+        (row,) = csv.DictReader(stream)
+    assert (row["name"], row["class"]) == ("object 1", "object")
+    assert float(row["volume_px3"]) == np.count_nonzero(labels)
 
 
 def test_a_region_and_a_barrier_limit_the_surface(folder, told):

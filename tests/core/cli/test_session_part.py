@@ -36,7 +36,7 @@ def session(tmp_path):
 
 def areas(folder, name):
     """Areas of the contours of an image of a batch."""
-    with (folder / f"{name}_contours.measures.csv").open(newline="", encoding="utf-8") as stream:
+    with (folder / f"{name}_contours.csv").open(newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     column = next(name for name in rows[0] if name.startswith("net_area_") and not name.endswith("px2"))
     return [float(row[column]) for row in rows]

@@ -24,8 +24,10 @@ from cpm_core.objects.segmented import (
     ObjectClass,
     SegmentedObject,
     SegmentedObjects,
+    class_label,
     contours_from_object,
     lies_on,
+    object_label,
     paint_voxels,
     round_line,
     unite_objects,
@@ -312,15 +314,18 @@ def build_objects_result(document: Document, only: Container[int] | None = None)
         return None
     surface = join_object_surfaces(shown, image.spacing, image.unit)
     if surface is not None:
-        labels = tuple(Label(item.number, object_title(objects, item), objects.color_of(item)) for item in shown)
-        surface = replace(surface, labels=labels)
+        labels = (
+            Label(item.number, _object_label(objects, item), objects.color_of(item), _class_label(objects, item))
+            for item in shown
+        )
+        surface = replace(surface, labels=tuple(labels))
     contours = tuple(
         replace(
             contour,
-            name=object_title(objects, item),
+            name=_object_label(objects, item),
             color=objects.color_of(item),
             group=item.number,
-            category=class_title(objects, item.category),
+            category=_class_label(objects, item),
             confidence=item.confidence or None,
         )
         for item in shown
@@ -330,6 +335,14 @@ def build_objects_result(document: Document, only: Container[int] | None = None)
     found: dict[str, Any] = {"contours": contours, "bridges": bridges, "surface": surface}
     made = Provenance("objects", sha256=image.sha256)
     return boundaries_result(image.shape, image.name, image.spacing, image.unit, provenance=made, **found)
+
+
+def _object_label(objects: SegmentedObjects, item: SegmentedObject) -> str:
+    return object_label(item.number, item.name, objects.classes[item.category - 1].name)
+
+
+def _class_label(objects: SegmentedObjects, item: SegmentedObject) -> str:
+    return class_label(item.category, objects.classes[item.category - 1].name)
 
 
 def join_object_surfaces(items: Iterable[SegmentedObject], spacing: Sides, unit: str | None) -> Surface | None:
@@ -408,7 +421,7 @@ def apply_brush(
     Returns
     -------
     Document
-        The object without clicks, since they no longer explain its boundary.
+        The object without clicks, since they no longer explain its boundary, and without confidence.
     """
     if not boundary:
         return delete_objects(document, (number,))
@@ -419,5 +432,5 @@ def apply_brush(
         on = np.abs(polyline.distances_to_path(path, points) - radius) <= _BRUSH_EDGE_TOLERANCE
         runs = (points[run].tolist() for run in polyline.find_marked_runs(on, closed=True) if len(run) > 1)
         painted += [tuple(map(tuple, run)) for run in runs]
-    new = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))
+    new = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted), confidence=0.0)
     return accept_objects(document, (new,), ends=document.objects.edited == number)

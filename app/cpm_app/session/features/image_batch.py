@@ -13,7 +13,7 @@ from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.opening import list_images
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_core.formats import SESSION_SUFFIX, SessionFile, save_session
+from cpm_core.formats import SESSION_SUFFIX, SessionFile, choose_file_name, save_session
 from cpm_core.numerics.types import Texts, frozen
 
 _RESULTS_FOLDER = "objects"
@@ -29,8 +29,8 @@ class BatchDone:
 
     Attributes
     ----------
-    images, objects : int
-        Number of images, and of the objects found in them.
+    images, objects, likely : int
+        Number of images, of the objects found in them, and of those that are likely.
     failed : tuple of str
         Names of the images that could not be used.
     folder : Path
@@ -39,6 +39,7 @@ class BatchDone:
 
     images: int
     objects: int
+    likely: int
     failed: Texts
     folder: Path
 
@@ -54,7 +55,8 @@ def count_written_files(folder: Path, suffixes: Texts) -> int:
         names = [path.name for path in results_folder(folder).iterdir()]
     except OSError:
         return 0
-    return sum(name.endswith(suffixes) and "_objects" in name for name in names)
+    endings = tuple(choose_file_name("", "objects", suffix) for suffix in suffixes)
+    return sum(name.endswith(endings) for name in names)
 
 
 def apply_to_folder(
@@ -105,4 +107,5 @@ def _run_batch(session: SessionFile, folder: Path, suffixes: Texts, task: Backgr
         task.fraction = len(batch.rows) / len(images)
     rows = batch.rows.values()
     failed = tuple(Path(row.image).name for row in rows if row.trouble)
-    return BatchDone(len(images), sum(row.found for row in rows), failed, output)
+    likely = sum(int(str(row.facts.get("likely", 0))) for row in rows)
+    return BatchDone(len(images), sum(row.found for row in rows), likely, failed, output)

@@ -31,7 +31,8 @@ class ObjectFigures:
     counts : tuple of int
         Numbers of pixels in `GRAY_HISTOGRAM_BINS` equal steps of gray value, over the range of the image.
     volume, area : float
-        Volume and surface area of an object in a volume, in the unit of the image; 0 in an image, as are the rest.
+        Volume of the voxels of an object in a volume, and area of its surface, in the unit of the image; 0 in an image,
+        as are the rest.
     parts, euler : int
         Number of connected parts of its surface, and its Euler characteristic.
     body : Surface or None
@@ -115,5 +116,5 @@ def _measure_object(item: SegmentedObject, image: Image) -> ObjectFigures:
         # computed here and cached, because limits and painting need it on the window's thread, which must not wait
         _ = packed.shell.mask, packed.as_packed_voxels
     surface = replace(body, spacing=image.spacing, unit=image.unit)
-    volume = item.surface[0].volume * math.prod(image.spacing)
+    volume = len(values) * math.prod(image.spacing)  # as in tables and masks
     return ObjectFigures(gray, counts, volume, surface.area, surface.components, surface.euler, body)

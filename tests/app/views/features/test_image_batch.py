@@ -64,13 +64,13 @@ def test_a_folder_gets_the_objects_as_by_the_command_line_in_the_checked_formats
     hand.qtbot.mouseClick(dialog.run_button, Qt.MouseButton.LeftButton)
     assert not ready.actions_by_name["apply_to_folder"].isEnabled()
     line = ready.canvas_area.messages
-    hand.wait(lambda: line.text.startswith("1 of 2 images finished. Objects: 1, in "))
+    hand.wait(lambda: line.text.startswith("1 of 2 images finished. Objects: 1, 1 of them likely, in "))
     assert line.text.endswith("Could not be used: broken.png.")
     assert ready.actions_by_name["apply_to_folder"].isEnabled()
     images = " ".join(shlex.quote(str(path)) for path in sorted(folder.glob("*.png")))
     command = f"batch {images} --session {folder}/objects/session.cpm --output {tmp_path}/images/again --workers 1"
     assert cli.main([*shlex.split(command), "--export", "labelme", "masks", "csv"]) == 1
-    names = {f"disc_objects.{suffix}" for suffix in ("labelme.json", "tif", "table.csv")} | {"objects.csv"}
+    names = {"disc.json", "disc_objects.tif", "disc_objects.csv", "objects.csv"}
     for name in names:
         assert (folder / "again" / name).read_bytes() == (folder / "objects" / name).read_bytes()
     assert {path.name for path in (folder / "objects").iterdir()} == {"session.cpm", "summary.csv", *names}
@@ -84,7 +84,7 @@ def test_the_end_of_a_folder_stays_to_be_read(ready: MainWindow, hand: Hand, fol
     (folder / "broken.png").unlink()
     apply(hand)
     line = ready.canvas_area.messages
-    hand.wait(lambda: line.text.startswith("1 of 1 images finished. Objects: 1, in "))
+    hand.wait(lambda: line.text.startswith("1 of 1 images finished. Objects: 1, 1 of them likely, in "))
     assert not line.is_error
     assert not line._timer.isActive()
 

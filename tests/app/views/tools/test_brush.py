@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from cpm_app.model.document.objects import accept_objects
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor
 
@@ -78,6 +80,15 @@ def test_a_stroke_from_an_object_adds_to_it_and_leaves_the_rest_of_its_boundary_
     far = {corner for corner in before.boundary[0] if corner[1] < 19}
     assert len(far) > 10
     assert far <= set(after.boundary[0])
+
+
+def test_a_painted_object_has_no_confidence_any_more(window, hand, brush) -> None:
+    stroke(hand, (20, 20), (20, 24))
+    (made,) = items(window)
+    found = replace(made, confidence=0.9)
+    window.session.edit("", lambda document: accept_objects(document, [found]))
+    stroke(hand, (20, 24), (20, 44))
+    assert [item.confidence for item in items(window)] == [0.0]
 
 
 def test_the_selected_object_is_painted_wherever_a_stroke_begins_and_without_one_a_new_object_is(
