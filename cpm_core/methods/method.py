@@ -1,7 +1,7 @@
 """The interface of methods that are compared: the start, settings, the states of a run, a description.
 
 A method is a function that takes image, start and settings and gives the states of a run, one after the other. It is
-described by a `ContourMethod`, which is all that the command line, the benchmark and the window know of it.
+described by a `ContourMethod`, which is all that the command line and the benchmark know of it.
 """
 
 from __future__ import annotations
