@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import cast
 
@@ -31,14 +31,13 @@ from cpm_core.image.image import Image
 from cpm_core.methods import (
     CONTOUR_METHODS,
     RunReport,
-    Settings,
     Start,
     build_method_result,
     report_run,
     run_method,
 )
 from cpm_core.numerics.types import JsonDict, Texts
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import PRESETS
 from cpm_core.parameters.formatting import format_count, quote_value
 from cpm_core.results.result import Result
 from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
@@ -208,8 +207,7 @@ def _parse_settings(arguments: argparse.Namespace, methods: Sequence[str], sessi
 
 def _list_setting_names(method: str) -> Texts:
     """Return the names of the settings of a method."""
-    kind = CONTOUR_METHODS[method].settings
-    return tuple(kind.describe_parameters()) if issubclass(kind, Settings) else tuple(Parameters.__dataclass_fields__)
+    return tuple(setting.name for setting in fields(CONTOUR_METHODS[method].settings))
 
 
 def _collect_start_shapes(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
