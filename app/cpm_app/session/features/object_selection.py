@@ -22,7 +22,6 @@ from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
     MAX_OFFERED_PIXELS,
     AnyPartition,
-    Offer,
     PartitionUpdater,
     Selector,
     find_proposals,
@@ -383,23 +382,22 @@ class ObjectSelection(QObject):
             self._run_ended = over
             self._request_answer()
 
-    def _make_offer(self, partition: AnyPartition) -> Offer:
-        """Return the objects of the previous page, or what the run proposes."""
+    def _find_offered(self, partition: AnyPartition) -> tuple[Proposal, ...]:
+        """Return the objects of the previous page, or what the run proposes, as soon as they are found."""
         source, follow = self.partition_updater.source, self._followed_objects.search
-        rejected = self._session.document.objects.rejected
         find: Callable[[BackgroundTask], tuple[Proposal, ...]]
         if follow is not None and isinstance(partition, Partition):
             find, name = partial(follow, partition), tr("Following objects…")
         elif self._offers_run and isinstance(source, Result) and source.stop_reason:
             find, name = partial(find_proposals, source), tr("Finding the objects of the run…")
         else:
-            return Offer((), rejected)
+            return ()
         if self._searched is not partition:
             self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
             found = partial(self._on_objects_found, partition)
             self._finding = self._session.tasks.start_task(name, find, tr("finding objects"), on_result=found)
-        return Offer(self._found, rejected)
+        return self._found
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
@@ -409,12 +407,12 @@ class ObjectSelection(QObject):
 
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
-        known, offer = self._session.document.objects, self._make_offer(partition)
-        made_of = partition, known.items, offer, known.may_overlap
-        if any((each.partition, each.items, each.offer, each.overlaps) != made_of for each in self._selectors.values()):
+        known, found = self._session.document.objects, self._find_offered(partition)
+        made_of = partition, known.items, found, known.rejected, known.may_overlap
+        if any(each.made_of != made_of for each in self._selectors.values()):
             self._selectors = {}
         if number not in self._selectors:
-            self._selectors[number] = Selector(partition, known.items, number, offer, known.may_overlap)
+            self._selectors[number] = Selector(partition, known.items, number, found, known.rejected, known.may_overlap)
         return self._selectors[number]
 
     def _request_answer(self) -> None:
@@ -476,7 +474,7 @@ class ObjectSelection(QObject):
         """Give up what waits for an answer that does not come."""
         self._answered = request
         self._waiting.clear()
-        self._clear_steps()
+        self._steps = 0
         self._show_awaited_clicks()
 
     def _catch_up(self) -> None:
@@ -502,7 +500,7 @@ class ObjectSelection(QObject):
     def _on_candidate(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
         """Select a candidate, and show its number."""
         (_, asked, by), (before, edited) = step, self._stepped_clicks
-        self._clear_steps()
+        self._steps = 0
         if asked != before:
             return
         if not clicks:
@@ -514,9 +512,6 @@ class ObjectSelection(QObject):
             self._set_clicks(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
             ranked = tr("Candidate {number} of {count}.", number=number, count=count)
             self._session.messages.show(ranked, category=EDITING_CATEGORY)
-
-    def _clear_steps(self) -> None:
-        self._steps = 0
 
     def _set_proposals(self, proposals: tuple[Proposal, ...]) -> None:
         """Replace the proposals; there are none while there is no partition."""

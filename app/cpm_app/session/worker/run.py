@@ -372,7 +372,7 @@ class Run:
             generation=self.generation,
             method=self.method.name,
             state=state,
-            position=self.method.display_positions(state),
+            position=state.position,
             resting=speed < RESTING_SPEED,
             steps_per_second=self.pacer.per_second,
             metrics=self.timeline.metrics_until(branch, state.step),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 from cpm_app.session.features import outcome
 from cpm_app.session.features.object_selection import ObjectSelection
-from cpm_app.session.features.selector import Offer
 from PySide6.QtCore import Qt
 
 pytestmark = pytest.mark.shared_window
@@ -47,7 +46,7 @@ def test_an_object_that_is_not_sure_is_not_called_found(ready, hand, monkeypatch
 
 def test_contours_without_an_object_are_counted_and_a_click_is_advised(window, hand, monkeypatch) -> None:
     hand.drag((32.0, 32.0), (32.0, 38.0), (32.0, 42.0))
-    monkeypatch.setattr(ObjectSelection, "_make_offer", lambda *_: Offer())
+    monkeypatch.setattr(ObjectSelection, "_find_offered", lambda *_: ())
     said = end_run(window, hand)
     assert said == "1 closed contour, 0 open. No object is offered: click one (W)."
 
