@@ -45,6 +45,7 @@ from cpm_core.formats import TruthFile
 from cpm_core.formats.contours import mask
 from cpm_core.numerics.types import JsonDict, record
 from cpm_core.objects.segmented import SegmentedObject
+from cpm_core.results import boundaries_result
 
 CURRENT_KEY = 0
 """Key of the present result, which is always compared."""
@@ -403,9 +404,7 @@ def _read_truth(file: Path, image: Image, holes: bool) -> ComparisonRow:
     else:
         truth = load_volume_truth(file, image)
         contours, surface = (), truth.surface
-    found = Result(
-        np.empty((0, image.ndim)), contours, surface, 0, True, "", image.shape, image.spacing, image.unit, file.name
-    )
+    found = boundaries_result(image.shape, file.name, image.spacing, image.unit, contours=contours, surface=surface)
     _ = truth.objects  # cached on this thread, not on the window's
     scene = Scene(reconstruction=Reconstruction(0, found))
     return ComparisonRow(CURRENT_KEY, file.name, found, scene, truth=truth)
