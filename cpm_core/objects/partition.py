@@ -652,7 +652,7 @@ def _select_connected(mask: Mask, pixels: Index, barred: Mask | None = None) -> 
 
 
 def _drop_fragments(mask: Mask, cut: Mask) -> Mask:
-    """Drop the small parts of a mask that lie apart along pixels cut from it, both of shape (H, W), beside larger ones."""
+    """Drop small parts of a mask next to pixels cut from it, both of shape (H, W), where there are larger parts."""
     if not cut.any():
         return mask
     parts, count = scipy.ndimage.label(mask)

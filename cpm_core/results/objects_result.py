@@ -23,6 +23,9 @@ from cpm_core.parameters.formatting import quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
 
+_NO_OBJECTS = SegmentedObjects()
+"""The default: no object yet, and classes without names."""
+
 
 def objects_result(
     selections: Sequence[Selection | VolumeSelection],
@@ -77,7 +80,7 @@ def objects_result(
         raise ValueError("no image is known for the objects: name it, or select objects of an image.")
     if not all(isinstance(one, VolumeSelection if image.ndim == 3 else Selection) for one in selections):
         raise ValueError(f"{image.source} has {image.ndim} axes: give objects that were selected in such an image.")
-    return _build_objects_result(selections, image, names or [""] * len(selections), channel, SegmentedObjects())
+    return _build_objects_result(selections, image, names or [""] * len(selections), channel, _NO_OBJECTS)
 
 
 def _build_objects_result(
@@ -144,7 +147,7 @@ def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bri
 def replace_by_objects(
     result: Result,
     selections: Sequence[Selection | VolumeSelection],
-    known: SegmentedObjects = SegmentedObjects(),
+    known: SegmentedObjects = _NO_OBJECTS,
 ) -> Result:
     """Replace what a run found by objects selected from it; the provenance is that of the run, with the objects.
 

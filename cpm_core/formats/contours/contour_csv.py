@@ -144,7 +144,8 @@ def encode_object_table(result: Outcome) -> bytes:
 
     The columns are those of `Result.table`, in the unit of the image if it is known, which ends their names
     (``area_um2``). For boundaries of objects, ``object`` is the number, ``class`` the class and ``confidence`` the
-    confidence; objects in a volume, whose number is ``label``, have a name and a class. For a skeleton it is the table of `encode_measures`. ValueError when nothing is enclosed.
+    confidence; objects in a volume, whose number is ``label``, have a name and a class. For a skeleton it is the table
+    of `encode_measures`. ValueError when nothing is enclosed.
     """
     if isinstance(result, Skeleton):
         return encode_measures(result)

@@ -168,9 +168,7 @@ class ObjectLayer(Layer):
         marked = [
             found
             for key, found in offered
-            if key in {*shown.selected, shown.hovered, 0}
-            or len(offered) == 1
-            or (few and not is_likely(found))
+            if key in {*shown.selected, shown.hovered, 0} or len(offered) == 1 or (few and not is_likely(found))
         ]
         texts = (f"{'? ' * (not is_likely(found))}{format_confidence(found)}" for found in marked)
         highest = (tuple(min(np.concatenate(_selection_curves(found)).tolist())) for found in marked)

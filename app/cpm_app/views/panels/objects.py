@@ -90,7 +90,8 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
                lambda row: row.item.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or that it is a proposal."),
                describe_class, "proposal", sort_by=lambda row: 10 * (row.kind == "proposal") + row.item.category),
-        Column("area", tr("Volume"), tr("Volume of the voxels inside, without hollows."), _object_figure_getter(lambda found: found.volume),
+        Column("area", tr("Volume"), tr("Volume of the voxels inside, without hollows."),
+               _object_figure_getter(lambda found: found.volume),
                "00,000", 3)
         if solid else
         Column("area", tr("Area"), tr("Area without holes."),
