@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from itertools import product
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy
@@ -117,6 +117,25 @@ class ConnectedParts:
         found = np.empty(len(voxels), np.int64)
         _look_up(self.begin, self.first, self.end, self.part, self.shape[1], voxels, found)
         return found
+
+
+def rank_values(values: NDArray[Any]) -> tuple[NDArray[Any], Labels]:
+    """Return the different values of an array, sorted, and the index of each value among them, in its shape.
+
+    Runs of equal values are sorted as one, since sorting each voxel of a label volume takes long.
+    """
+    flat = values.ravel()
+    begin = np.flatnonzero(np.r_[True, flat[1:] != flat[:-1]])
+    levels, index = np.unique(flat[begin], return_inverse=True)
+    ranks = np.repeat(index.astype(np.int32), np.diff(begin, append=flat.size))
+    return levels, ranks.reshape(values.shape)
+
+
+def find_label_boxes(labels: NDArray[np.integer]) -> list[tuple[int, Window]]:
+    """Find the window of each label above 0, in order; labels may be as large as those of brain atlases."""
+    numbers, ranks = rank_values(labels)
+    boxes = scipy.ndimage.find_objects(ranks + 1)
+    return [(number, box) for number, box in zip(numbers.tolist(), boxes, strict=True) if number > 0]
 
 
 def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:
