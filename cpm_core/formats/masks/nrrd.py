@@ -34,7 +34,7 @@ def encode_nrrd(result: Outcome, *, outlines: bool = False) -> bytes:
     nothing to paint.
     """
     mask = paint_labels(result, outlines=outlines)
-    affine, unit, _ = locate_mask(result, "LPS")
+    affine, unit = locate_mask(result, "LPS")
     head = {
         "type": mask.dtype.name,
         "dimension": "3",
