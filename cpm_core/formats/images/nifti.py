@@ -41,7 +41,7 @@ _READER_CLASSES = {
 # nibabel prints a line for everything unusual in a header; the user gets one sentence on what matters instead.
 logging.getLogger("nibabel.global").setLevel(logging.CRITICAL + 1)
 
-_MAX_ROUNDING = 0.001
+_SAME_PLACE = 0.001
 """Distance up to which sform and qform are the same but for rounding [smallest side of a voxel]."""
 
 _GZIP_BLOCK = 2**20
@@ -126,7 +126,7 @@ def _add_qform(geometry: Geometry, volume: Any, spacing: Triple, unit: str) -> t
     ends = np.array(volume.shape[:3][::-1] if len(volume.shape) > 2 else (1, *volume.shape[::-1])) - 1.0
     corners = np.array([(*corner, 1.0) for corner in itertools.product(*((0.0, end) for end in ends))]).T
     apart = float(np.linalg.norm((qform - sform)[:3] @ corners, axis=0).max())
-    if apart <= _MAX_ROUNDING * min(spacing):
+    if apart <= _SAME_PLACE * min(spacing):
         return geometry, ()
     to_qform = freeze_matrix(qform @ np.linalg.inv(sform))
     said = f"Its sform and its qform lie up to {apart:.3g} {unit} apart: the sform was taken."
