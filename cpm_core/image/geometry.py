@@ -75,6 +75,8 @@ class Geometry:
     ((4, 4), (10.0, 20.0, 32.0))
     >>> geometry.scaled(10.0).origin
     (100.0, 200.0, 300.0)
+    >>> bool((geometry.qform_affine((2.0, 0.5, 0.5)) == geometry.affine((2.0, 0.5, 0.5))).all())  # else in some NIfTI
+    True
     >>> geometry.letters, geometry.ends[0], geometry.oblique, geometry.slant
     (('S', 'P', 'L'), ('I', 'S'), 0.0, 0.0)
     """

@@ -25,6 +25,7 @@ from cpm_core.formats.contours.contents import (
 )
 from cpm_core.formats.contours.mask import decode_runs, find_outlines
 from cpm_core.numerics.types import JsonDict
+from cpm_core.parameters.formatting import format_size
 
 _UNNAMED_CATEGORY = "object"
 """Category of an instance without a name."""
@@ -125,6 +126,9 @@ def read_coco(content: JsonDict, plane: PlaneInfo) -> CollectedContours:
     image, note = _select_image(content["images"], used, plane)
     found.shape = _image_shape(image)
     found.notes += note
+    if found.shape and plane.shape and found.shape != plane.shape:
+        there, here = (format_size(shape) for shape in (found.shape, plane.shape))
+        found.notes.append(f"Its image has {there}, this one {here}.")
     for entry in content["annotations"]:
         if str(entry["image_id"]) == str(image.get("id")):
             name = categories.get(entry.get("category_id"), "")
