@@ -119,14 +119,25 @@ class ConnectedParts:
         return found
 
 
+_MAX_COUNTED_RANGE = 2**16
+"""Largest range of whole numbers that are counted rather than sorted."""
+
+
 def rank_values(values: NDArray[Any]) -> tuple[NDArray[Any], Labels]:
     """Return the different values of an array, sorted, and the index of each value among them, in its shape.
 
-    Runs of equal values are sorted as one, since sorting each voxel of a label volume takes long.
+    Sorting each voxel of a volume takes long: runs of equal values are one, and whole numbers are counted.
     """
     flat = values.ravel()
     begin = np.flatnonzero(np.r_[True, flat[1:] != flat[:-1]])
-    levels, index = np.unique(flat[begin], return_inverse=True)
+    runs = flat[begin]
+    low = float(runs.min())
+    if float(runs.max()) - low <= _MAX_COUNTED_RANGE and not (runs % 1).any():
+        shifted = np.subtract(runs, low).astype(np.int32)
+        there = np.bincount(shifted) > 0
+        levels, index = (low + np.flatnonzero(there)).astype(values.dtype), (np.cumsum(there) - 1)[shifted]
+    else:
+        levels, index = np.unique(runs, return_inverse=True)
     ranks = np.repeat(index.astype(np.int32), np.diff(begin, append=flat.size))
     return levels, ranks.reshape(values.shape)
 
