@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -53,8 +53,9 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count
+from cpm_core.results import boundaries_result
 from cpm_core.results.result import Result
-from cpm_core.segmentation.evolve import SEEDED_METHODS
+from cpm_core.segmentation.evolve import find_seeded_methods
 from cpm_core.shapes.document_shapes import select_starts
 
 
@@ -149,7 +150,7 @@ def _restore_or_run(session: SessionFile, parameters: Parameters, image: Image, 
     kept = restore_shown_state(replace(session, parameters=parameters), image)
     if kept is not None:
         state, made_with = kept
-        method = SEEDED_METHODS[method_of(session)](image, made_with, state.regions)
+        method = find_seeded_methods()[method_of(session)](image, made_with, state.regions)
         return replace(cast("Result", method.result(state, made_with)), source=image.source)
     if not select_starts(session.shapes):
         raise ValueError(f"{source.name} has no start and no contours: draw a start in the window, and save it again.")
@@ -172,7 +173,7 @@ def _read_plane_result(source: Path, arguments: argparse.Namespace) -> Result:
         print_message(
             f"{source.name} does not state the size of its image: {rows} x {cols} px is taken; name it with --image."
         )
-    return replace(_build_empty_result(source, image, shape), contours=found.contours)
+    return _build_read_result(source, image, shape, contours=found.contours)
 
 
 def _read_volume_result(source: Path, arguments: argparse.Namespace) -> Result | Centerlines:
@@ -187,13 +188,14 @@ def _read_volume_result(source: Path, arguments: argparse.Namespace) -> Result |
     if image is None and in_voxels:
         raise ValueError(f"{min(in_voxels)} has the voxels of a volume: name the volume with --image.")
     surface = load_surface(source, image, warn=print_message)
-    empty = _build_empty_result(source, image, (1, 1, 1) if image is None else image.shape)
-    return replace(empty, surface=surface, spacing=surface.spacing, unit=surface.unit)
+    found = _build_read_result(source, image, (1, 1, 1) if image is None else image.shape, surface=surface)
+    return replace(found, spacing=surface.spacing, unit=surface.unit)
 
 
-def _build_empty_result(source: Path, image: Image | None, shape: Extent) -> Result:
-    """Return a result without contours, for what has been read from a file."""
-    name, spacing = (source.name, (1.0,) * len(shape)) if image is None else (image.source, image.spacing)
-    unit = None if image is None or image.unit is None else find_unit(image.unit)
-    nothing = np.empty((0, len(shape)))
-    return Result(nothing, (), None, 0, True, "read from a file", shape, spacing, unit, name, image=image)
+def _build_read_result(source: Path, image: Image | None, shape: Extent, **found: Any) -> Result:
+    """Build a result of what has been read from a file."""
+    found["stop_reason"] = "read from a file"
+    if image is None:
+        return boundaries_result(shape, source.name, **found)
+    unit = image.unit and find_unit(image.unit)
+    return boundaries_result(shape, image.source, image.spacing, unit, image=image, **found)

@@ -58,7 +58,7 @@ from cpm_core.objects import Partition, Selection, VolumePartition
 from cpm_core.parameters.formatting import format_count, format_size
 from cpm_core.results import replace_by_objects
 from cpm_core.results.result import Result
-from cpm_core.segmentation.evolve import SEEDED_METHODS
+from cpm_core.segmentation.evolve import find_seeded_methods
 from cpm_core.shapes import SEEDING_KINDS
 
 _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
@@ -120,7 +120,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_options(parameters, "--preset", help="named settings (default: the publication's values, or the session's)")
     parameters.add_argument(
         "--method",
-        choices=tuple(SEEDED_METHODS),
+        choices=tuple(find_seeded_methods()),
         help="the program's own, or the model as published (default: that of the session, else cpm)",
     )
     add_parameter_options(parameters)

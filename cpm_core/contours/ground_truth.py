@@ -85,10 +85,7 @@ class Truth(_LabeledTruth, drawing.Pictured):
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the pixels of the objects and their boundaries by matplotlib."""
-        ax = drawing.axes_for(ax)
-        drawing.show_image(ax, (self.labels > 0).astype(float))
-        drawing.show_curves(ax, self.contours)
-        return ax
+        return drawing.draw_curves_on_image(ax, (self.labels > 0).astype(float), self.contours)
 
 
 def truth_from_contours(

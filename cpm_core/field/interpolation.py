@@ -82,12 +82,6 @@ def value_at(volume: Single, plane: float, row: float, col: float) -> float:
     return trilinear_mean(volume, voxel_before(planes, plane), voxel_before(rows, row), voxel_before(cols, col))
 
 
-@inlined
-def sample_volume(volume: Single, pitch: Vector, place: Vector) -> float:
-    """Interpolate a volume, shape (P, R, C), at a place [units]."""
-    return value_at(volume, place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2])
-
-
 @compiled
 def slope_at(volume: Single, pitch: Vector, place: Vector) -> Vector:
     """Return the slope of a volume, shape (P, R, C), at a place: differences over one unit to both sides."""

@@ -51,14 +51,15 @@ def as_result(given: Exportable, image: Image | None = None) -> Outcome | Center
         return _result_of_labels(given, image)
     if isinstance(given, Surface):
         shape = _shape_around(given.vertices) if image is None else image.shape
-        return replace(_empty_result(shape, image, "surface"), surface=given, spacing=given.spacing, unit=given.unit)
+        found = _result_in(image, shape, "surface", surface=given)
+        return replace(found, spacing=given.spacing, unit=given.unit)
     several: Any = [given] if isinstance(given, Selection | VolumeSelection | Contour) else given
     if isinstance(several, Sequence) and len(several):
         if any(all(isinstance(one, kind) for one in several) for kind in (Selection, VolumeSelection)):
             return objects_result(several, image)
         if all(isinstance(one, Contour) and one.points.shape[1] == 2 for one in several):
             shape = _shape_around(np.concatenate([one.points for one in several])) if image is None else image.shape
-            return replace(_empty_result(shape, image, "contours"), contours=tuple(several))
+            return _result_in(image, shape, "contours", contours=tuple(several))
     raise ValueError(
         f"{quote_value(given)} cannot be exported: give a result, selections or contours of an image, a surface, or "
         "an array of labels."
@@ -79,7 +80,7 @@ def _result_of_labels(given: NDArray[Any], image: Image | None) -> Result:
             f"the labels are {given.min()} to {given.max()}, but must be 0 outside and up to {_MAX_LABEL}."
         )
     labels = given.astype(np.int32)
-    found = _empty_result(given.shape, image, "labels")
+    found = _result_in(image, given.shape, "labels")
     if labels.ndim == 3:
         return copy_with(found, surface=surface_from_labels(labels, found.spacing, found.unit), labels=labels)
     contours = tuple(
@@ -90,13 +91,12 @@ def _result_of_labels(given: NDArray[Any], image: Image | None) -> Result:
     return copy_with(found, contours=contours, labels=labels)
 
 
-def _empty_result(shape: Extent, image: Image | None, source: str) -> Result:
-    """Return a result without contours in an image, or in one of a shape whose pixels have no known size."""
+def _result_in(image: Image | None, shape: Extent, source: str, **found: Any) -> Result:
+    """Return what was found in an image, or in one of a shape whose pixels have no known size, as a result."""
     if image is None:
-        return boundaries_result((), (), shape, (1.0,) * len(shape), None, source)
-    made = Provenance(sha256=image.sha256, of_file=bool(image.file_sha256))
-    found = boundaries_result((), (), image.shape, image.spacing, image.unit, image.source)
-    return replace(found, image=image, provenance=made)
+        return boundaries_result(shape, source, **found)
+    made, place = Provenance(sha256=image.sha256, of_file=bool(image.file_sha256)), (image.spacing, image.unit)
+    return boundaries_result(image.shape, image.source, *place, image=image, provenance=made, **found)
 
 
 def _shape_around(places: NDArray[np.float64]) -> Extent:

@@ -134,6 +134,16 @@ def show_curves(ax: Axes, curves: Sequence[DrawableCurve]) -> None:
         ax.add_collection(LineCollection(paths, zorder=2, **style))
 
 
+def draw_curves_on_image(
+    ax: Axes | None, values: Array, curves: Sequence[DrawableCurve], spacing: Sequence[float] = (1.0, 1.0)
+) -> Axes:
+    """Draw lines on an image, shape (H, W), in the given axes, or in those of a new figure, and return these."""
+    ax = axes_for(ax)
+    show_image(ax, values, spacing)
+    show_curves(ax, curves)
+    return ax
+
+
 def show_particles(ax: Axes, places: Array) -> None:
     """Show particles, shape (N, 2) [px]."""
     row, col = places.T

@@ -282,10 +282,6 @@ class SkeletonMethod(ImageFields):
         length = self.result(state, parameters).length
         return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}
 
-    def display_positions(self, state: SkeletonState) -> Array:
-        """Return the points of the next step, shape (N, D) [px]."""
-        return state.position
-
     def _points_in_image(self, points: Array) -> Array:
         """Return the points that lie in the image; boundary and axis continue beyond it."""
         return points[is_inside_image(points, self.image.shape)]

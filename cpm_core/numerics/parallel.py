@@ -9,12 +9,14 @@ takes the next one, so that no caller waits for threads that work for another on
 from __future__ import annotations
 
 import os
+import threading
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 from threadpoolctl import ThreadpoolController
 
@@ -49,6 +51,12 @@ def limit_cores(count: int) -> Iterator[None]:
 _find_blas = lru_cache(maxsize=1)(ThreadpoolController)
 """Finds the libraries of linear algebra of this process."""
 
+_blas_lock = threading.Lock()
+"""Held while the next variable changes."""
+
+_blas_limits: list[Any] = []
+"""The limit of `limit_blas`, once for each thread that is within it."""
+
 
 @contextmanager
 def limit_blas() -> Iterator[None]:
@@ -57,8 +65,15 @@ def limit_blas() -> Iterator[None]:
     Small ones gain nothing from more threads, which wait for one another in busy loops: while other programs are
     running, a product then takes many times as long.
     """
-    with _find_blas().limit(limits=1, user_api="blas"):
+    with _blas_lock:
+        _blas_limits.append(_blas_limits[0] if _blas_limits else _find_blas().limit(limits=1, user_api="blas"))
+    try:
         yield
+    finally:
+        with _blas_lock:
+            limit = _blas_limits.pop()
+            if not _blas_limits:  # the last thread, since the limit is that of the process
+                limit.restore_original_limits()
 
 
 _helpers = lru_cache(maxsize=1)(lambda: ThreadPoolExecutor(max(1, count_cores() - 1), "cpm-share"))

@@ -24,7 +24,7 @@ from cpm_core.field.start_area.start_area import object_enclosed_by
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import plane_regions
+from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.real_numbers import as_positions
@@ -38,7 +38,7 @@ from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Prompt
-from cpm_core.objects.selection import Selection, compute_iou
+from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, Selection, compute_iou, keep_last_marks
 from cpm_core.objects.vessels import find_vessel_tree
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
@@ -148,9 +148,13 @@ class ParentImage:
     smoothing: float
 
 
-def partition_without_run(image: Image) -> Partition | VolumePartition:
+def partition_without_run(
+    image: Image, regions: AnyRegions | None = None, channel: str = "luminance"
+) -> Partition | VolumePartition:
     """Prepare an image or a volume without a run, so that the network answers all prompts."""
-    return Partition(image, ()) if image.ndim == 2 else VolumePartition(image)
+    if image.ndim == 3:
+        return VolumePartition(image, regions=regions)
+    return Partition(image, (), plane_regions(regions), channel)
 
 
 @record
@@ -292,24 +296,19 @@ class Partition(drawing.Pictured):
     def _select_best(self, request: _Request, answers: Iterator[Candidate]) -> Selection:
         """Select the object that a request most likely means; `answers` are those of the network to its prompt."""
         if request.has_only_positive:
-            enclosed = self._from_unambiguous_contour(request.inside) or self._from_surrounding_line(request.inside)
-            if enclosed is not None:
-                return self._build_answer(self._leave_free(enclosed, request), request)
+            mask = self._closed_regions.find_object_around(request.inside)
+            unambiguous = mask is not None
+            if mask is None:  # perhaps the points are drawn around an object
+                mask = object_enclosed_by(self.values, request.inside, ~self.interest)
+            if mask is not None and (mask & ~request.free).any():
+                mask, unambiguous = self._keep_connected(mask, request.prompt, request.free), False
+            if mask is not None:
+                return self._build_answer(Candidate(mask, unambiguous=unambiguous), request)
         if request.is_empty:
             remark = request.remark or "No point is marked as inside."
             return self.build_selection(np.zeros(self.shape, bool), request.inside, request.outside, remark)
         found = self._from_previous(request) or self._from_network(request.prompt, answers, request.free)
         return self._build_answer(found, request)
-
-    def _from_unambiguous_contour(self, places: Array) -> Candidate | None:
-        """Return what a closed contour unambiguously encloses around points, shape (M, 2) [px], if one does."""
-        mask = self._closed_regions.find_object_around(places)
-        return None if mask is None else Candidate(mask, unambiguous=True)
-
-    def _from_surrounding_line(self, places: Array) -> Candidate | None:
-        """Return the object that points, shape (M, 2) [px], are drawn around, if they are."""
-        mask = object_enclosed_by(self.values, places, ~self.interest)
-        return None if mask is None else Candidate(mask)
 
     def _from_previous(self, request: _Request) -> Candidate | None:
         """Return the previous mask, if any, corrected by the points that contradict it.
@@ -344,12 +343,6 @@ class Partition(drawing.Pictured):
         """Return the first answer of the network to a prompt; only the pixels of its points without any."""
         found = next(answers, Candidate(np.zeros(self.shape, bool)))
         return found._replace(mask=self._keep_connected(found.mask, prompt, free))
-
-    def _leave_free(self, found: Candidate, request: _Request) -> Candidate:
-        """Leave the pixels of a candidate that may be selected; where some may not, it is no longer unambiguous."""
-        if not (found.mask & ~request.free).any():
-            return found
-        return Candidate(self._keep_connected(found.mask, request.prompt, request.free))
 
     def _build_answer(self, found: Candidate, request: _Request) -> Selection:
         """Build the selection of a candidate, with a remark if hardly anything says that it is an object.
@@ -446,14 +439,9 @@ class Partition(drawing.Pictured):
             remark = "A point outside the regions of interest is ignored."
         elif not free[tuple(pixels.T)].all():
             remark = "A point in another object is ignored."
-        same = (within[:, None] == beyond[None]).all(axis=2)
-        if same.any():
-            remark = "The same point is marked as inside and as outside; the last mark counts."
-            newer = np.zeros(len(within), bool) if newer is None else newer
-            within, beyond = (
-                within[newer | ~same.any(axis=1)],
-                beyond[~(same & newer[:, None]).any(axis=0)],
-            )
+        newer = np.zeros(len(within), bool) if newer is None else newer
+        within, beyond, contradicting = keep_last_marks(within, beyond, newer)
+        remark = CONFLICTING_POINT_REMARK if contradicting else remark
         return Prompt(*(pixels[free[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
     def _predict_candidates(self, prompt: Prompt, area: float | None = None) -> Iterator[Candidate]:
@@ -558,14 +546,16 @@ class Partition(drawing.Pictured):
         return Selection(mask, contours, gaps, confidence, inside, outside, remark, features, self.image)
 
     def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
-        """Remove pixels from a selection, masks of shape (H, W), and what they cut off from its positive points."""
+        """Remove pixels from a selection, masks of shape (H, W), and what they cut off from its positive points.
+
+        The rest is as likely an object as the whole was.
+        """
         prompt, _ = self._resolve_points(selection.inside, NO_POINTS, self.interest & ~excluded)
         mask = selection.mask & ~excluded
         if len(prompt.positive):
             mask = _select_connected(mask, prompt.positive)
-        return self.build_selection(
-            mask, selection.inside, selection.outside, selection.remark, features=selection.features
-        )
+        left = self.build_selection(mask, selection.inside, selection.outside, selection.remark, selection.features)
+        return replace(left, confidence=selection.confidence) if left.has_boundary else left
 
     def outline_mask(self, mask: Mask) -> tuple[ObjectOutline, ...]:
         """Outline a set of pixels, shape (H, W), along the contours next to it."""
@@ -634,10 +624,7 @@ class Partition(drawing.Pictured):
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the image with the contours by matplotlib."""
-        ax = drawing.axes_for(ax)
-        drawing.show_image(ax, self.image.values, self.image.spacing)
-        drawing.show_curves(ax, self.contours)
-        return ax
+        return drawing.draw_curves_on_image(ax, self.image.values, self.contours, self.image.spacing)
 
 
 def _padded_box(mask: Mask) -> tuple[tuple[slice, slice], Index]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Arrays, Mask, record
+from cpm_core.numerics.types import Array, Arrays, Index, Mask, record
 from cpm_core.objects.confidence import ConfidenceFeatures
 from cpm_core.parameters.formatting import format_count, format_repr
 
@@ -84,10 +86,24 @@ class Selection(drawing.Pictured):
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the pixels of the object and its boundaries by matplotlib."""
-        ax = drawing.axes_for(ax)
-        drawing.show_image(ax, self.mask.astype(float))
-        drawing.show_curves(ax, self.contours)
-        return ax
+        return drawing.draw_curves_on_image(ax, self.mask.astype(float), self.contours)
+
+
+CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; the last mark counts."
+"""Remark on a selection by points that contradict each other."""
+
+
+_Points = TypeVar("_Points", Array, Index)
+
+
+def keep_last_marks(inside: _Points, outside: _Points, newer: Mask) -> tuple[_Points, _Points, bool]:
+    """Keep the last mark of each pixel or voxel, and return whether any has two.
+
+    `inside` and `outside` are points, shape (M, D) and (K, D); where they are in the same place, the positive ones
+    count that are `newer`, shape (M,).
+    """
+    same = (np.rint(inside)[:, None] == np.rint(outside)).all(axis=2)
+    return inside[newer | ~same.any(axis=1)], outside[~(same & newer[:, None]).any(axis=0)], bool(same.any())
 
 
 def compute_iou(one: Mask, other: Mask) -> float:

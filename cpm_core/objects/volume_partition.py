@@ -37,6 +37,7 @@ from cpm_core.objects.prior.body_prediction import (
 from cpm_core.objects.prior.body_predictor import BodyPredictor
 from cpm_core.objects.prior.body_surface import extract_body_surface
 from cpm_core.objects.prior.crops import CROP_SIDE, resample_with_tent
+from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, keep_last_marks
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 
 _BODY_LOOKUP_DISTANCE = 0.75
@@ -44,7 +45,6 @@ _BODY_LOOKUP_DISTANCE = 0.75
 
 _NO_POINT_REMARK = "No point is marked as inside."
 _CONFLICTING_BODY_REMARK = "The same body is marked as inside and as outside; it is left out."
-_CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; the last mark counts."
 _OUTSIDE_INTEREST_REMARK = "A point outside the regions of interest is ignored."
 _NO_BODY_REMARK = "No body was found at this place."
 
@@ -217,15 +217,9 @@ class VolumePartition:
         self, inside: Array, outside: Array, previous: VolumeSelection | None, voxels: PackedVoxels | None
     ) -> VolumeSelection:
         """Select a body by the network, starting from what was selected before."""
-        within, beyond = inside, outside
-        same = (np.rint(within)[:, None] == np.rint(beyond)).all(axis=2)
-        if same.any():  # of contradicting points, the last one counts
-            newer = np.arange(len(within)) >= (len(within) if previous is None else len(previous.inside))
-            within, beyond = (
-                within[newer | ~same.any(axis=1)],
-                beyond[~(same & newer[:, None]).any(axis=0)],
-            )
-        remark = _CONFLICTING_POINT_REMARK if same.any() else ""
+        newer = np.arange(len(inside)) >= (len(inside) if previous is None else len(previous.inside))
+        within, beyond, contradicting = keep_last_marks(inside, outside, newer)
+        remark = CONFLICTING_POINT_REMARK if contradicting else ""
         if self._interest is not None:
             here, there = (self._interest[tuple(self._find_nearest_voxels(given).T)] for given in (within, beyond))
             remark = remark if here.all() and there.all() else _OUTSIDE_INTEREST_REMARK
@@ -428,7 +422,7 @@ class VolumeSelection:
             voxelize_surface(there, tuple((end - first).tolist())) if self.has_boundary else np.zeros(end - first, bool)
         )
         for voxels, within in zip(places, (False, True), strict=True):
-            if self.body is not None and self.remark != _CONFLICTING_POINT_REMARK:
+            if self.body is not None and self.remark != CONFLICTING_POINT_REMARK:
                 part[tuple((voxels - first).T)] = within
         return first, part
 

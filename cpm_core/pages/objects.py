@@ -79,13 +79,18 @@ class ObjectFollower:
         self._speeds: Mapping[int, Index] = {}
 
     def remember_page(self, values: Array, objects: Mapping[int, Selection]) -> None:
-        """Remember the objects of a page by their numbers, with the gray levels of the page, shape (H, W)."""
+        """Remember the objects of a page by their numbers, with the gray levels of the page, shape (H, W).
+
+        One without a pixel, between the centers of all, cannot be found again.
+        """
+        self._tracks = max(self._tracks, *objects, 0)
+        objects = {number: one for number, one in objects.items() if one.mask.any()}
         known = self._before.keys() & objects.keys()
         middles = {
             number: [np.argwhere(on[number].mask).mean(axis=0) for on in (self._before, objects)] for number in known
         }
         self._speeds = {number: np.rint(now - then).astype(int) for number, (then, now) in middles.items()}
-        self._values, self._before, self._tracks = values, objects, max(self._tracks, *objects, 0)
+        self._values, self._before = values, objects
 
     def find_on_page(
         self, number: int, page: Partition, check: Callback = lambda: None

@@ -223,10 +223,6 @@ class Published:
         """Return the metrics of a state by name; see `Method.measure_state`."""
         return state_metrics(state)
 
-    def display_positions(self, state: PublishedState) -> Array:
-        """Return the positions of the particles, shape (N, D) [px of the image]."""
-        return state.position
-
     def add_particles(self, state: PublishedState, seeds: ArrayLike) -> PublishedState:
         """Add particles at rest, at positions of shape (M, D) [px]."""
         return interventions.add_particles(state, seeds, self.regions)

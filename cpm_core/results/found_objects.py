@@ -117,10 +117,10 @@ def _begins_on_edges(result: RunOutcome, image: Image) -> bool:
     """Return whether nearly all seeds, on whole pixels, are on strong edges, or nearly all strong edges have seeds."""
     smoothing = result.provenance.parameters.get("smoothing", 1.0)
     if image.ndim == 3:
-        strength = volume_edge_strength(image, smoothing if isinstance(smoothing, float) else 1.0)
+        strength = volume_edge_strength(image, 1.0 if isinstance(smoothing, str) else smoothing)
     else:
         gray = image.gray_levels(result.channel)
-        sigma = smoothing if isinstance(smoothing, float) else automatic_smoothing(gray)
+        sigma = automatic_smoothing(gray) if isinstance(smoothing, str) else smoothing
         strength = edge_map(limit_specks(gray), sigma)
     strong = strength > STRONG_EDGE_FRACTION * strength.max()
     strong[strong] = is_allowed(np.argwhere(strong).astype(float), result.regions)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import Bridge, Contour, Label
+from cpm_core.contours.contour import Bridge, Label
 from cpm_core.contours.surface import Surface, join_surfaces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
@@ -52,7 +52,8 @@ def objects_result(
     Raises
     ------
     ValueError
-        When there is no object, or `names` are not texts, or not one for each object.
+        When no image is known, an object was selected in an image with other axes, or `names` are not texts, or not one
+        for each object.
 
     Examples
     --------
@@ -73,18 +74,18 @@ def objects_result(
     image = image or next((one.image for one in selections if one.image is not None), None)
     if image is None:
         raise ValueError("no image is known for the objects: name it, or select objects of an image.")
+    if not all(isinstance(one, VolumeSelection if image.ndim == 3 else Selection) for one in selections):
+        raise ValueError(f"{image.source} has {image.ndim} axes: give objects that were selected in such an image.")
     titles = list(names) or [f"object {number}" for number in range(1, len(selections) + 1)]
     parts: list[tuple[Label, Any]] = [
         (Label(number, title), one) for number, (one, title) in enumerate(zip(selections, titles, strict=True), start=1)
     ]
-    place = (image.shape, image.spacing, image.unit, image.source)
     if image.ndim == 3:
-        found = replace(boundaries_result((), (), *place), surface=_join_bodies(parts, image))
+        found: dict[str, Any] = {"surface": _join_bodies(parts, image)}
     else:
-        contours = [replace(line, group=to.number, name=to.name) for to, one in parts for line in one.contours]
-        found = boundaries_result(
-            contours, _measure_gaps([gap for _, one in parts for gap in one.gaps], image, channel), *place
-        )
+        contours = (replace(line, group=to.number, name=to.name) for to, one in parts for line in one.contours)
+        gaps = [gap for _, one in parts for gap in one.gaps]
+        found = {"contours": tuple(contours), "bridges": tuple(_measure_gaps(gaps, image, channel))}
     taken = image.resolve_channel(channel)
     clicks = tuple(
         {"shape": "object", "inside": selection.inside.tolist(), "outside": selection.outside.tolist()}
@@ -93,7 +94,8 @@ def objects_result(
     made = Provenance(
         "objects", {"channel": taken}, shapes=clicks, sha256=image.sha256, of_file=bool(image.file_sha256)
     )
-    return replace(found, image=image, channel=taken, provenance=made)
+    place = image.shape, image.source, image.spacing, image.unit
+    return boundaries_result(*place, image=image, channel=taken, provenance=made, **found)
 
 
 def _join_bodies(bodies: Sequence[tuple[Label, VolumeSelection]], image: Image) -> Surface | None:
@@ -122,24 +124,9 @@ def replace_by_objects(result: Result, selections: Sequence[Selection | VolumeSe
 
 
 def boundaries_result(
-    contours: Sequence[Contour],
-    bridges: Sequence[Bridge],
-    shape: Extent,
-    spacing: Sides,
-    unit: str | None,
-    source: str,
+    shape: Extent, source: str, spacing: Sides | None = None, unit: str | None = None, **found: Any
 ) -> Result:
-    """Build a result from the boundaries of objects and their gaps, in the image that the others describe."""
-    return Result(
-        np.empty((0, len(shape))),
-        tuple(contours),
-        None,
-        0,
-        True,
-        "the objects have been selected",
-        shape,
-        spacing,
-        unit,
-        source,
-        bridges=tuple(bridges),
-    )
+    """Build a result of no run, in an image of a shape: boundaries of objects, and what else is found, by name."""
+    sides = spacing or (1.0,) * len(shape)
+    reason = "the objects have been selected"
+    return replace(Result(np.empty((0, len(shape))), (), None, 0, True, reason, shape, sides, unit, source), **found)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, field, replace
+from collections.abc import Mapping
+from dataclasses import asdict, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Bridge, Contour, select_bridges_on
+from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.faces import Face, find_faces
 from cpm_core.contours.measurements import assign_labels, compute_centroid
 from cpm_core.contours.rasterize import rasterize_labels
@@ -258,14 +258,6 @@ class Result(drawing.Pictured):
     def geometry(self) -> Geometry | None:
         """Position of its image in space; None where it is not known."""
         return None if self.image is None else self.image.geometry
-
-
-def keep_contours(result: Result, is_kept: Sequence[bool]) -> Result:
-    """Keep some contours of a result, marked by one value for each, and the bridges on them."""
-    if all(is_kept):
-        return result
-    kept = tuple(contour for contour, stay in zip(result.contours, is_kept, strict=True) if stay)
-    return replace(result, contours=kept, bridges=select_bridges_on(result.bridges, kept))
 
 
 def build_result(state: State, image: Image, parameters: Parameters, **found: Any) -> Result:

@@ -80,8 +80,6 @@ class Engine(ImageFields):
     True
     >>> engine.energies(state, cpm.Parameters()).kinetic < 1e-3
     True
-    >>> engine.display_positions(state).shape == state.position.shape
-    True
     >>> engine.add_particles(state, [(10, 10)]).count - state.count
     1
     >>> engine.erase_particles(state, state.position[:, 0] < 32).count < state.count
@@ -300,10 +298,6 @@ class Engine(ImageFields):
     def measure_state(self, state: State, parameters: Parameters) -> Mapping[str, float]:
         """Return the metrics of a state by name; see `Method.measure_state`."""
         return state_metrics(state)
-
-    def display_positions(self, state: State) -> Array:
-        """Return the positions of the particles, shape (N, 2) [px of the image]."""
-        return state.position
 
     def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
         """Return the fields of the scale of a state, limited to the area of its start."""

@@ -23,9 +23,6 @@ from cpm_core.parameters.formatting import format_count, format_repr, quote_valu
 from cpm_core.results.result import Result
 from cpm_core.segmentation.method import RUN_METHODS, Method
 
-SEEDED_METHODS = {name: method for name, method in RUN_METHODS.items() if method.seeded}
-"""Methods whose runs begin with seeds."""
-
 DEFAULT_METHOD = "cpm"
 """The method that this program uses unless another one is asked for."""
 
@@ -276,12 +273,16 @@ def evolve(
 
 def _choose_method(given: str | Callable[..., Method[Any]]) -> Callable[..., Method[Any]]:
     """Return the method with a name, or the class that is given in its place; ValueError for anything else."""
-    seeded = {name: method for name, method in RUN_METHODS.items() if method.seeded}
-    if isinstance(given, str) and given in seeded:
-        return seeded[given]
-    if isinstance(given, str) or not callable(given):
+    seeded = find_seeded_methods()
+    found = seeded.get(given) if isinstance(given, str) else given
+    if not callable(found):
         raise ValueError(f"method is {quote_value(given)} but must be one of {', '.join(seeded)}, or a class.")
-    return given
+    return found
+
+
+def find_seeded_methods() -> dict[str, type[Method[Any]]]:
+    """Find the methods whose runs begin with seeds, by name; those that were registered, too."""
+    return {name: method for name, method in RUN_METHODS.items() if method.seeded}
 
 
 def segment(

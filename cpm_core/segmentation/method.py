@@ -101,7 +101,7 @@ class Method(Protocol[S]):
     >>> state = method.step(method.start(cpm.circle((32, 32), 8)), parameters)
     >>> method.result(state, parameters).steps
     1
-    >>> method.measure_state(state, parameters)["count"] == len(method.display_positions(state))
+    >>> method.measure_state(state, parameters)["count"] == state.count
     True
     >>> method.edge_map(parameters).shape, method.force_field(parameters).shape, method.potential(parameters).shape
     ((64, 64), (2, 64, 64), (64, 64))
@@ -146,9 +146,6 @@ class Method(Protocol[S]):
 
     def measure_state(self, state: S, parameters: Parameters) -> Mapping[str, float]:
         """Return the metrics of a state by name, for plots and the status."""
-
-    def display_positions(self, state: S) -> Array:
-        """Return the points of a state to display, shape (N, 2) [px of the image]."""
 
     def edge_map(self, parameters: Parameters) -> Array:
         """Return the edge strength on the pixels of the image, shape (H, W)."""

@@ -75,7 +75,7 @@ def show_contours(window: MainWindow, *contours: Contour) -> None:
     """Show contours as a run would have found them."""
     session, image = window.session, window.session.image
     assert image is not None
-    result = boundaries_result(contours, [], image.shape, image.spacing, image.unit, "")
+    result = boundaries_result(image.shape, "", image.spacing, image.unit, contours=tuple(contours))
     found = Reconstruction(session.store.generation, result)
     session.store.set_scene(replace(session.scene, reconstruction=found))
 

@@ -222,9 +222,6 @@ class Halfway(ImageFields):
     def measure_state(self, state, parameters: Parameters) -> Mapping[str, float]:
         return {"lines": len(state.contours)}
 
-    def display_positions(self, state: HalfwayState) -> np.ndarray:
-        return state.position
-
 
 def test_a_method_is_a_class_that_the_window_runs_without_knowing_it(opened, hand_on) -> None:
     core = CoreFunctions(methods=MappingProxyType({**RUN_METHODS, "cpm": Halfway}))

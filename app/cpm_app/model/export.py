@@ -14,6 +14,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import build_objects_result
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_core import Contour, Image, Result, Skeleton
+from cpm_core.contours import select_bridges_on
 from cpm_core.formats import (
     ANIMATIONS_WRITABLE,
     CENTERLINES_WRITABLE,
@@ -27,7 +28,6 @@ from cpm_core.formats import (
 from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import frozen
-from cpm_core.results.result import keep_contours
 
 ExportKind = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
 
@@ -196,7 +196,8 @@ def prepare_export(
         return replace(result, image=image)
     if order.contours is None:
         return result
-    return keep_contours(result, [index in order.contours for index in range(len(result.contours))])
+    kept = tuple(contour for index, contour in enumerate(result.contours) if index in order.contours)
+    return replace(result, contours=kept, bridges=select_bridges_on(result.bridges, kept))
 
 
 def simplify_result(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:

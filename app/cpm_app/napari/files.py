@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +39,7 @@ def _list_paths(path: str | Sequence[str]) -> list[Path]:
 def write_shapes(path: str, data: Any, settings: JsonObject) -> list[str]:
     """Write a layer of shapes in the format that the suffix names."""
     contours, shape = contours_from_layer(data, settings)
-    return _export_result(boundaries_result(contours, (), shape, (1.0, 1.0), None, settings["name"]), path)
+    return _export_result(boundaries_result(shape, settings["name"], contours=tuple(contours)), path)
 
 
 def write_surface(path: str, data: Any, settings: JsonObject) -> list[str]:
@@ -48,8 +47,8 @@ def write_surface(path: str, data: Any, settings: JsonObject) -> list[str]:
     vertices, faces = np.asarray(data[0], dtype=float), np.asarray(data[1])
     spacing = tuple(np.asarray(settings["scale"], dtype=float).tolist())
     shape = tuple((np.ceil(vertices.max(axis=0)) + 1).astype(int).tolist())
-    empty = boundaries_result((), (), shape, spacing, None, settings["name"])
-    return _export_result(replace(empty, surface=Surface(vertices, faces, spacing)), path)
+    surface = Surface(vertices, faces, spacing)
+    return _export_result(boundaries_result(shape, settings["name"], spacing, surface=surface), path)
 
 
 def _export_result(result: Result, path: str) -> list[str]:

@@ -39,7 +39,8 @@ class RunUpdater:
         self._store = store
         self._post = post
         self._run = 0
-        self._start_inputs_by_run: dict[int, tuple[object, ...]] = {}
+        self._documents_by_run: dict[int, Document] = {}
+        """The document that each run has begun from, with the mode that it serves now, by its generation."""
         self.sources_by_run: dict[int, Counter[Hashable]] = {}
         """The sources of the particles of each run, by its generation."""
         self._erasures = 0
@@ -50,7 +51,7 @@ class RunUpdater:
     def begin_run(self, run: int, document: Document) -> None:
         """Record that the run of this generation starts from a document."""
         self._run = run
-        self._start_inputs_by_run[run], self.sources_by_run[run] = document.start_inputs, document.start_counts
+        self._documents_by_run[run], self.sources_by_run[run] = document, document.start_counts
         self._last_start_counts, self._last_shapes = document.start_counts, document.shapes
 
     def set_current_run(self, run: int) -> None:
@@ -63,19 +64,28 @@ class RunUpdater:
         document = self._store.scene.document
         self._last_start_counts, self._last_shapes = document.start_counts, document.shapes
         for run, (first, sources) in begun.items():
-            self._start_inputs_by_run[run] = replace(first, image=document.image).start_inputs
+            self._documents_by_run[run] = replace(first, image=document.image)
             self.sources_by_run[run] = sources
 
     def clear(self) -> None:
         """Remove all runs, because another image has been opened."""
-        self._start_inputs_by_run.clear()
+        self._documents_by_run.clear()
         self.sources_by_run.clear()
         self._run = 0
 
     @property
     def _current_sources(self) -> Counter[Hashable]:
         """The sources of the particles of the run that is shown."""
-        return self.sources_by_run.get(self._run, _NO_SOURCES)
+        return self.find_sources(self._run)
+
+    def find_sources(self, run: int) -> Counter[Hashable]:
+        """Return the sources of the particles of a run, by its generation."""
+        return self.sources_by_run.get(run, _NO_SOURCES)
+
+    def restore_sources(self, run: int, sources: Counter[Hashable]) -> None:
+        """Make a run the current one, with the sources that its particles had at an earlier step."""
+        self.sources_by_run[run] = sources
+        self._run = run
 
     def _set_current_sources(self, sources: Counter[Hashable]) -> None:
         if self._run in self.sources_by_run:
@@ -90,11 +100,29 @@ class RunUpdater:
         # The window asks many times a second, and many thousand points take a while to compare.
         if document.shapes is not self._outdated[0] or sources is not self._outdated[1]:
             self._outdated = document.shapes, sources, bool(sources - document.start_counts)
-        return self._outdated[2] or document.start_inputs != self._start_inputs_by_run.get(self._run, ())
+        begun = self._documents_by_run.get(self._run)
+        return self._outdated[2] or begun is None or document.start_inputs != begun.start_inputs
 
-    def update_run(self, before: Document, after: Document, complete: bool) -> None:
-        """Send the changes of the document to the worker; unless `complete`, the gesture is still going on."""
-        if before.parameters != after.parameters:
+    def continue_run(self, document: Document) -> None:
+        """Let the run go on in the mode of the document, which has only now been chosen for it."""
+        if not self._is_served(document):
+            self._documents_by_run[self._run] = replace(self._documents_by_run[self._run], mode=document.mode)
+            self._post(call_run(None, Run.set_parameters, document.parameters))
+
+    def _is_served(self, document: Document) -> bool:
+        """Return whether the mode of a document is that of the run; true without a run.
+
+        The parameters of another mode are for the next run, and must not change what this one has found.
+        """
+        begun = self._documents_by_run.get(self._run) if self._store.status.started else None
+        return begun is None or begun.mode == document.mode
+
+    def update_run(self, before: Document, after: Document, complete: bool, resumes: bool) -> None:
+        """Send the changes of the document to the worker.
+
+        Unless `complete`, the gesture is still going on; unless it `resumes`, a run that has ended stays where it is.
+        """
+        if (before.parameters, before.mode) != (after.parameters, after.mode) and self._is_served(after):
             self._post(call_run(None, Run.set_parameters, after.parameters))
         if _find_start_inputs(before) != _find_start_inputs(after):
             self._post(call_run(None, Run.set_start, after))
@@ -102,11 +130,11 @@ class RunUpdater:
             self._store.set_busy("seeding", tr("Looking for starting positions…"))
             self._post(find_seeds(self._store.image_generation, after))
         if before.charges != after.charges:
-            self._post(call_run(None, Run.set_charges, self._store.image_generation, after.charges))
+            self._post(call_run(None, Run.set_charges, self._store.image_generation, after.charges, resumes))
         if not self._store.status.started:
             return
         if before.regions != after.regions:
-            self._post(call_run(self._store.generation, Run.set_regions, after.regions))
+            self._post(call_run(self._store.generation, Run.set_regions, after.regions, resumes))
         if complete:
             self.end_gesture()
 

@@ -208,10 +208,8 @@ class Scene:
 
     @property
     def skeleton(self) -> Skeleton | None:
-        """The skeleton that the run has found, in the mode of skeletons."""
-        if self.reconstruction is None or self.document.mode != "skeleton":
-            return None
-        found = self.reconstruction.result
+        """The skeleton that the run has found."""
+        found = None if self.reconstruction is None else self.reconstruction.result
         return found if isinstance(found, Skeleton) and found.contours else None
 
     @property

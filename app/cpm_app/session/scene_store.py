@@ -43,7 +43,7 @@ from cpm_core.numerics.types import Texts
 
 R = TypeVar("R", bound=Report)
 
-_COMPILING_TEXT = tr("Preparing for the first run on this computer: {percent} %")
+_COMPILING_TEXT = tr("Preparing, only this once: {percent} %")
 
 _ENDED_BY: Mapping[type[Report], Texts] = {
     ImageOpened: ("seeding", "restoring"), RunsRestored: ("restoring",), RunFailed: ("restoring",),

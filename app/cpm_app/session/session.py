@@ -33,7 +33,7 @@ from cpm_app.session.session_messages import (
 )
 from cpm_app.session.tasks.opening import Opener, OpenRequest
 from cpm_app.session.tasks.tasks import TaskManager
-from cpm_app.session.undo_history import Change, Erasure, UndoHistory
+from cpm_app.session.undo_history import Change, Erasure, RestingStep, UndoHistory
 from cpm_app.session.worker.commands import (
     RunsRestored,
     WorkerCommand,
@@ -85,6 +85,8 @@ class Session(QObject):
         self.history = UndoHistory()
         """The changes that can be undone and redone."""
         self.run_updater = RunUpdater(self.store, self.post_command)
+        self._target: RestingStep | None = None
+        """Where an undo or a redo is taking the run, until it is shown."""
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
         self._frames.set_limit(1.0 / FRAME_INTERVAL)
@@ -194,15 +196,15 @@ class Session(QObject):
             self.messages.show(explain_error(error), True, EDITING_CATEGORY)
             return
         if after != before or erasure is not None:
-            rest = self._find_resting_step(after) if gesture else None
-            self.history.push(Change(name, before, after, gesture, erasure, rest))
+            continues = bool(gesture) and self._moves_resting_particles(after)
+            self.history.push(Change(name, before, after, gesture, erasure, self._find_resting_step()))
             with self.store.defer_status():
                 self._set_document(after, complete=not gesture)
-            if rest is not None:
+            if continues:
                 self.run()
 
     def set_mode(self, mode: Mode) -> None:
-        """Change the mode."""
+        """Change the mode of the next run; what the last one has found stays until then."""
         name = tr("mode “{mode}”", mode=MODES[mode].title.replace("&", ""))
         self.edit(name, lambda document: document if document.mode == mode else switch_mode(document, mode))
 
@@ -212,12 +214,12 @@ class Session(QObject):
         self.run_updater.end_gesture()
 
     def undo(self) -> None:
-        """Undo the last edit."""
-        self._apply_change(self.history.undo(), back=True)
+        """Undo the last edit; a run that was at rest before it is shown there again."""
+        self._apply_change(self.history.undo(self._find_resting_step()), back=True)
 
     def redo(self) -> None:
-        """Repeat the edit that was undone last."""
-        self._apply_change(self.history.redo(), back=False)
+        """Repeat the edit that was undone last; a run that was at rest after it is shown there again."""
+        self._apply_change(self.history.redo(self._find_resting_step()), back=False)
 
     def select_shape(self, index: int | None) -> None:
         """Select a shape, or none; an index beyond the shapes, one that could not be drawn, selects none."""
@@ -256,6 +258,7 @@ class Session(QObject):
         if not self._can_run():
             return
         if self.status.phase != "running":
+            self._target = None
             self._start_if_needed()
             self.store.set_phase("running")
             self.post_command(call_run(self.store.generation, Run.take_steps))
@@ -286,6 +289,7 @@ class Session(QObject):
             self.store.generation = self._next_generation()
             self.store.clear_run()
             self.post_command(call_run(None, Run.discard_state, self.store.generation))
+            self.post_command(call_run(None, Run.set_parameters, self.document.parameters))
             if kept:
                 kept_on = tr(
                     "The run stays on the timeline: click it there or press {key:timeline_last} to return to it."
@@ -399,27 +403,53 @@ class Session(QObject):
             if goes_on:
                 self.store.set_phase("running")
                 self.post_command(call_run(self.store.generation, Run.take_steps))
+        rest = change.rest_before if back else change.rest_after
+        known = rest is not None and change.erasure is None and self._is_recorded(rest)
+        if rest is not None and known:
+            self.run_updater.restore_sources(rest.run, rest.sources)
+        resumes = not back and not known and change.rest_before is not None
+        shown = self._find_resting_step()
         with self.store.defer_status():
-            self._set_document(change.before if back else change.after)
-        if change.resting_step is None:
-            return
-        generation, branch, step = change.resting_step
-        if back and generation == self.store.generation:
-            self.pause_and_post(call_run(generation, Run.go_to, branch, step, lambda: True))
-            self.post_command(call_run(generation, Run.reconstruct_if_halted))
-        elif self.status.phase == "paused" or self.status.steered:
+            self._set_document(change.before if back else change.after, resumes=resumes)
+        if rest is not None and known:
+            if shown is None or (shown.branch, shown.step) != (rest.branch, rest.step):
+                self._target = rest
+                here = self.store.generation
+                self.pause_and_post(call_run(here, Run.go_to, rest.branch, rest.step, lambda: True))
+                self.post_command(call_run(here, Run.reconstruct_if_halted))
+        elif resumes and (self.status.phase == "paused" or self.status.steered):
             self.run()
 
-    def _find_resting_step(self, after: Document) -> tuple[int, int, int] | None:
-        """Return where the run is at rest, if another document makes it continue; see `Change`."""
-        status, shown = self.status, self.scene.snapshot
-        if shown is None or status.phase != "finished" or status.stale:
-            return None
-        if status.steering == RUN_METHODS[status.method].steering(after.parameters):
-            return None
-        return self.store.generation, shown.timeline.branch, shown.state.step
+    def _find_resting_step(self) -> RestingStep | None:
+        """Return the step at which the run is at rest, or to which an undo is taking it."""
+        shown = self.scene.snapshot
+        if self._target is not None or shown is None or self.status.phase != "finished":
+            return self._target
+        timeline, sources = shown.timeline, self.run_updater.find_sources(shown.timeline.run_generation)
+        return RestingStep(
+            self.store.image_generation, timeline.run_generation, timeline.branch, shown.state.step, sources
+        )
 
-    def _set_document(self, document: Document, complete: bool = True, before: Document | None = None) -> None:
+    def _is_recorded(self, rest: RestingStep) -> bool:
+        """Return whether a step is still on the timeline of the run that is shown."""
+        shown = self.scene.snapshot
+        if shown is None or not self.status.started or rest.image_generation != self.store.image_generation:
+            return False
+        return any(line.identity == rest.branch for line in shown.timeline.branches)
+
+    def _moves_resting_particles(self, after: Document) -> bool:
+        """Return whether the run is at rest, and its particles would move with the parameters of another document."""
+        status = self.status
+        return (
+            self.scene.snapshot is not None
+            and status.phase == "finished"
+            and not status.stale
+            and status.steering != RUN_METHODS[status.method].steering(after.parameters)
+        )
+
+    def _set_document(
+        self, document: Document, complete: bool = True, before: Document | None = None, resumes: bool = True
+    ) -> None:
         """Show another document, or the same one after its history has changed."""
         before, scene = before or self.document, self.scene
         if document != before:
@@ -434,7 +464,7 @@ class Session(QObject):
             self.store.scene = replace(scene, image=sized, document=document, selected_shape=selected)
             if sized is not None and sized is not image:
                 self.post_command(call_run(None, Run.change_pixel_size, sized, document))
-            self.run_updater.update_run(before, document, complete)
+            self.run_updater.update_run(before, document, complete, resumes)
             self.store.scene_changed.emit()
         self.document_changed.emit(document)
         self.store.announce_status()
@@ -457,6 +487,8 @@ class Session(QObject):
             self.run_updater.begin_run(self.store.generation, self.document)
             self.store.clear_run(MODES[self.document.mode].method)
             self.post_command(start_run(self.store.generation, self.store.image_generation, self.document))
+        else:
+            self.run_updater.continue_run(self.document)
 
     def _next_generation(self) -> int:
         self._numbered += 1
@@ -479,6 +511,7 @@ class Session(QObject):
         if self.scene.snapshot is not None:
             self.run_updater.set_current_run(self.scene.snapshot.timeline.run_generation)
         if self.idle:
+            self._target = None
             self._timer.stop()
 
     def _on_image_opened(self, opened: ImageOpened) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 
 from cpm_app.model.document.document import Document, ImageReference
@@ -25,11 +25,34 @@ class Erasure:
 
 
 @frozen
+class RestingStep:
+    """A step of the timeline of an image at which a run has ended.
+
+    Attributes
+    ----------
+    image_generation : int
+        Number under which the image was opened.
+    run : int
+        Number by which the window knows the run.
+    branch, step : int
+        Where it is on the timeline.
+    sources : Counter
+        The sources of its particles.
+    """
+
+    image_generation: int
+    run: int
+    branch: int
+    step: int
+    sources: Counter[Hashable]
+
+
+@frozen
 class Change:
     """A change that can be undone.
 
     Successive changes with the same gesture, such as the drag of a slider, are merged; an empty gesture never merges.
-    If it reactivates particles, `resting_step` is where the run was at rest before: generation, branch and step.
+    `rest_before` and `rest_after` are where the run was at rest when the change was made and when it was undone last.
     """
 
     name: str
@@ -37,7 +60,8 @@ class Change:
     after: Document
     gesture: str = ""
     erasure: Erasure | None = None
-    resting_step: tuple[int, int, int] | None = None
+    rest_before: RestingStep | None = None
+    rest_after: RestingStep | None = None
 
 
 class UndoHistory:
@@ -64,7 +88,7 @@ class UndoHistory:
         if self._open and change.gesture and self._done and self._done[-1].gesture == change.gesture:
             known = self._done.pop()
             merged = replace(known, after=change.after, name=change.name, erasure=known.erasure or change.erasure)
-            if merged.before != merged.after or merged.erasure is not None or merged.resting_step is not None:
+            if merged.before != merged.after or merged.erasure is not None:
                 self._done.append(merged)
             else:
                 self._open = False
@@ -77,13 +101,15 @@ class UndoHistory:
         """End a gesture: the next change is separate."""
         self._open = False
 
-    def undo(self) -> Change | None:
-        """Take the last change back, if there is one."""
-        return self._move_last_change(self._done, self._undone)
+    def undo(self, rest: RestingStep | None) -> Change | None:
+        """Take the last change back, if there is one; `rest` is where the run is at rest after it."""
+        return self._move_last_change(self._done, self._undone, lambda change: replace(change, rest_after=rest))
 
-    def redo(self) -> Change | None:
-        """Repeat the change that was undone last, if there is one."""
-        return self._move_last_change(self._undone, self._done)
+    def redo(self, rest: RestingStep | None) -> Change | None:
+        """Repeat the change that was undone last, if there is one; `rest` is where the run is at rest before it."""
+        return self._move_last_change(
+            self._undone, self._done, lambda change: replace(change, rest_before=rest or change.rest_before)
+        )
 
     def move_to_image(self, image: ImageReference | None) -> UndoHistory:
         """Apply the history to the image as it has been reopened, perhaps by another path.
@@ -98,9 +124,11 @@ class UndoHistory:
                 ]  # fmt: skip
         return self
 
-    def _move_last_change(self, source: list[Change], target: list[Change]) -> Change | None:
+    def _move_last_change(
+        self, source: list[Change], target: list[Change], note_rest: Callable[[Change], Change]
+    ) -> Change | None:
         self._open = False
         if source:
-            target.append(source.pop())
+            target.append(note_rest(source.pop()))
             return target[-1]
         return None

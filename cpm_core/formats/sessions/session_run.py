@@ -19,7 +19,7 @@ from cpm_core.model.state import State
 from cpm_core.pages.follow import limit_scales
 from cpm_core.parameters import Parameters
 from cpm_core.results.result import Result
-from cpm_core.segmentation.evolve import DEFAULT_METHOD, SEEDED_METHODS, segment
+from cpm_core.segmentation.evolve import DEFAULT_METHOD, find_seeded_methods, segment
 from cpm_core.shapes import Shape
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds, select_starts
 
@@ -111,4 +111,4 @@ def segment_shapes(
 
 def method_of(session: SessionFile) -> str:
     """Return the name of the method that runs from seeds in a session: that of its mode, if it has one of its own."""
-    return session.mode if session.mode in SEEDED_METHODS else DEFAULT_METHOD
+    return session.mode if session.mode in find_seeded_methods() else DEFAULT_METHOD

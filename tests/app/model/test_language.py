@@ -274,7 +274,7 @@ for widget in (window, *window.findChildren(QWidget)):
         for index in range(widget.count()):
             look(read(index), f"{type(widget).__name__} {name}")
 for action in window.actions() + [action for menu in window.findChildren(QMenu) for action in menu.actions()]:
-    for said in (action.text(), action.toolTip(), action.statusTip()):
+    for said in (action.text().partition("\t")[0], action.toolTip(), action.statusTip()):
         look(said, "action")
 window.close()
 print("seen", seen)

@@ -115,7 +115,7 @@ def test_the_start_from_an_object_is_its_outer_boundary(document) -> None:
 
 
 def found_contours(*curves: Contour) -> Result:
-    return boundaries_result(curves, [], (40, 40), (0.5, 0.5), "mm", "a.png")
+    return boundaries_result((40, 40), "a.png", (0.5, 0.5), "mm", contours=tuple(curves))
 
 
 RINGS = tuple(Contour(square(low, 40.0 - low), True, 3.0) for low in (3.5, 7.5, 11.5, 15.5))

@@ -43,7 +43,7 @@ def test_run_is_worded_by_what_it_will_do(status: RunStatus, text: str, steps: b
 
 
 def test_a_run_that_is_out_of_date_shows_how_to_renew_it() -> None:
-    assert "Reset" in resolve_texts(Situation(DRAWN, RunStatus("running", stale=True))).hint
+    assert "next run" in resolve_texts(Situation(DRAWN, RunStatus("running", stale=True))).hint
     assert "Run starts over" in resolve_texts(Situation(DRAWN, RunStatus("paused", stale=True))).hint
     assert resolve_texts(Situation(DRAWN, RunStatus("running"))).hint == ""
 

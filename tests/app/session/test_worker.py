@@ -149,9 +149,6 @@ class FakeEngine:
     def measure_state(self, state: FakeState, parameters: Parameters) -> dict[str, float]:
         return {"epsilon": state.epsilon, "count": state.count}
 
-    def display_positions(self, state: FakeState) -> np.ndarray:
-        return state.position
-
     def result(self, state: FakeState, parameters: Parameters) -> FakeResult:
         assert self.reconstructing.wait(20)
         return FakeResult(state.step)

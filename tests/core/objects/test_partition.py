@@ -8,7 +8,7 @@ import scipy.ndimage as ndi
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import Image, Partition, Regions, circle, partition, segment, select_all
+from cpm_core import Image, Partition, Regions, circle, example, partition, segment, select_all, uniform_grid
 
 from ..scenes import antialiased, disk, ring
 
@@ -94,6 +94,16 @@ def test_points_that_change_nothing_leave_the_confidence_as_it_was(scene_partiti
     assert after.has_same_region(before)
     assert (after.confidence, after.features) == (before.confidence, before.features)
     assert (len(after.inside), len(after.outside)) == (2, 2)
+
+
+def test_an_object_that_loses_pixels_stays_as_likely():
+    (found, *_) = segment(example("disks"), uniform_grid((64, 64))).objects
+    bare, excluded = Partition(found.image, ()), np.zeros((64, 64), bool)
+    excluded[tuple(np.argwhere(found.mask)[0])] = True
+    left = bare.remove_pixels(found, excluded)
+    assert np.count_nonzero(left.mask) == np.count_nonzero(found.mask) - 1
+    assert left.confidence == found.confidence
+    assert bare.remove_pixels(found, found.mask).confidence == 0.0
 
 
 def two_disks(row, col):

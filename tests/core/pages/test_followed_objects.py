@@ -119,3 +119,13 @@ def test_a_page_of_another_size_holds_none_of_the_objects():
     partition = partition_of(((30, 30, 8),))
     follower.remember_page(partition.values, {1: partition.build_selection(inside(30, 30, 8))})
     assert follower.find_on_page(2, cpm.partition(MOVING[0][:50])) == ((), ())
+
+
+def test_an_object_between_the_centers_of_pixels_is_not_found_again_and_stops_no_other():
+    disk = (32.0, 20.0, 9.0)
+    partition = partition_of((disk,))
+    follower, nothing = ObjectFollower(), partition.build_selection(np.zeros(SHAPE, bool))
+    for _ in range(2):
+        follower.remember_page(partition.values, {1: partition.select([disk[:2]]), 2: nothing})
+    found, _ = follower.find_on_page(2, partition)
+    assert [one.number for one in found] == [1]

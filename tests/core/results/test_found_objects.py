@@ -50,6 +50,13 @@ def test_a_run_from_everywhere_proposes_all_objects_the_best_first(disks, seed) 
     assert {one.mask.tobytes() for one in found} == {one.mask.tobytes() for one in everywhere}
 
 
+@pytest.mark.parametrize("smoothing", [2, 2.0])
+def test_seeds_on_the_edges_by_which_a_run_is_smoothed_are_everywhere(disks, smoothing) -> None:
+    noise = np.random.default_rng(1).normal(0.0, 30.0, disks.shape)
+    seeds = cpm.gradient_threshold(disks.values + noise, smoothing=smoothing)
+    assert is_run_everywhere(cpm.segment(disks.values + noise, seeds, cpm.Parameters(smoothing=smoothing), max_steps=1))
+
+
 def test_a_run_from_drawn_starts_proposes_the_object_of_each_and_none_twice(disks) -> None:
     result = run(disks, cpm.circle(ONE, 5))
     (one,) = result.objects

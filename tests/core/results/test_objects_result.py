@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import tifffile
 
+import cpm_core as cpm
 from cpm_core import Image, objects_result, to_bytes
 from cpm_core.contours.rasterize import rasterize_labels, rasterize_mask
 from cpm_core.objects.boundaries.boundary_guides import build_boundary_guides
@@ -46,6 +47,14 @@ def test_a_label_mask_has_one_label_for_each_object_and_none_in_its_holes(result
     assert np.array_equal(labels, expected)
     assert np.array_equal(tifffile.imread(io.BytesIO(to_bytes(result, ".tif"))), expected)
     assert np.array_equal(rasterize_mask(result.contours, result.shape), expected > 0)
+
+
+def test_objects_of_an_image_and_bodies_of_a_volume_make_no_result_together() -> None:
+    image, volume = cpm.example("disks"), cpm.example("ball")
+    one, body = cpm.select(image, [(32, 18)]), cpm.partition(volume).select([(15, 15, 15)])
+    for objects, place in (([body], image), ([one], volume), ([one, body], None)):
+        with pytest.raises(ValueError, match="axes: give objects"):
+            objects_result(objects, place)
 
 
 def test_the_table_tells_object_hole_net_area_and_what_was_bridged(result):

@@ -60,7 +60,7 @@ def test_a_run_ends_with_contours_and_stays_at_its_end_until_it_is_resumed(metho
 
 def test_a_state_has_positions_in_the_image_and_metrics_by_name(method, states):
     for state in states[:3]:
-        positions, figures = method.display_positions(state), method.measure_state(state, PARAMS)
+        positions, figures = state.position, method.measure_state(state, PARAMS)
         assert positions.shape == (state.count, 2) == state.particles.position.shape
         assert ((positions > -2.0) & (positions < 102.0)).all()
         assert len(set(state.particles.identity.tolist())) == state.count

@@ -208,6 +208,11 @@ def shade_area(area: Mask) -> Pixels:
     return shades
 
 
+def measure_area_share(shown: DisplayImage) -> float:
+    """Return the share of an image, from 0 to 1, that an area shaded by `shade_area` covers."""
+    return float((np.asarray(shown.levels[0]) > 0).mean())
+
+
 _POTENTIAL_OUTLIERS = 0.5
 """Percentage of the pixels at either end that the display image of a potential leaves out."""
 

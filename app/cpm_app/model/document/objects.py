@@ -314,7 +314,7 @@ def build_objects_result(document: Document, only: Container[int] | None = None)
     if surface is not None:
         labels = tuple(Label(item.number, object_title(objects, item), objects.color_of(item)) for item in shown)
         surface = replace(surface, labels=labels)
-    contours = [
+    contours = tuple(
         replace(
             contour,
             name=object_title(objects, item),
@@ -325,10 +325,11 @@ def build_objects_result(document: Document, only: Container[int] | None = None)
         )
         for item in shown
         for contour in contours_from_object(item)
-    ]
-    bridges = [Bridge(np.array(gap), path_length(gap), 0.0) for item in shown for gap in item.gaps]
-    found = boundaries_result(contours, bridges, image.shape, image.spacing, image.unit, image.name)
-    return replace(found, surface=surface, provenance=Provenance("objects", sha256=image.sha256))
+    )
+    bridges = tuple(Bridge(np.array(gap), path_length(gap), 0.0) for item in shown for gap in item.gaps)
+    found: dict[str, Any] = {"contours": contours, "bridges": bridges, "surface": surface}
+    made = Provenance("objects", sha256=image.sha256)
+    return boundaries_result(image.shape, image.name, image.spacing, image.unit, provenance=made, **found)
 
 
 def join_object_surfaces(items: Iterable[SegmentedObject], spacing: Sides, unit: str | None) -> Surface | None:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from cpm_app.model.display.lengths import format_measured_length, format_scientific
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.document.modes import MODES, needs_start
-from cpm_app.model.state.situation import RunStatus, Situation, has_volume
+from cpm_app.model.state.situation import RunStatus, Situation, has_volume, moves_particles
 from cpm_app.model.state.surface_figures import SURFACE_LABEL, VOLUME_LABEL, format_surface_figures
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
-from cpm_core import Result, Skeleton
+from cpm_core import Contour, Result, Skeleton
 from cpm_core.numerics.types import frozen
 from cpm_core.shapes import (
     Barrier,
@@ -77,7 +78,7 @@ def resolve_texts(situation: Situation) -> WindowTexts:
         state=_describe_run_state(situation),
         hint=_suggest_next_action(situation),
         numbers=_format_run_numbers(status, document.image)
-        if needs_start(document.mode)
+        if moves_particles(situation)
         else _format_skeleton_numbers(status, document.image),
     )
 
@@ -128,8 +129,10 @@ def _suggest_next_action(situation: Situation) -> str:
     in_volume, usual = has_volume(situation), MODES[document.mode].hint
     if status.phase == "empty":
         message = tr("Open an image ({key:open}) or drop one here.")
+    elif status.started and status.method != MODES[document.mode].method:
+        message = tr("What was found stays until Run ({key:run}) starts over in this mode.")
     elif status.started and status.stale and status.phase == "running":
-        message = tr("The starts or scales have changed: Reset ({key:reset}) to use them.")
+        message = tr("The starts or scales have changed: they act from the next run on.")
     elif status.started and status.stale:
         message = tr("The starts or scales have changed: Run starts over with them.")
     elif status.started and status.steered:
@@ -137,10 +140,7 @@ def _suggest_next_action(situation: Situation) -> str:
             "The parameters have changed: Resume ({key:run}) continues with them, Reset ({key:reset}) starts over."
         )
     elif isinstance(shape, Charge):
-        message = tr(
-            "Drag the {shape} of strength {strength} or move it with arrow keys; [ and ] make it weaker and stronger; "
-            "{key:delete} removes it."
-        )
+        message = tr("Drag the {shape} of strength {strength}; [ and ] change its strength, {key:delete} removes it.")
         return insert_keys(
             message, shape=translate_core_text(shape.title), strength=localize_number(f"{abs(shape.strength):g}")
         )
@@ -228,6 +228,27 @@ def _format_run_numbers(status: RunStatus, image: ImageReference | None) -> _Num
         (tr("Bridged"), bridged, tr("Gaps that were closed along a faint edge; see the parameter Maximum gap.")),
     )
     return _dash_unknown(status.has_particles, (*numbers, *contours))
+
+
+def describe_contours(contours: Sequence[Contour]) -> str:
+    """Describe in a sentence how many contours a run has found."""
+    closed = sum(contour.closed for contour in contours)
+    if not contours:
+        return tr("No contour was found.")
+    words = tr("1 closed contour, {open} open.") if closed == 1 else tr("{closed} closed contours, {open} open.")
+    return words.format(closed=closed, open=len(contours) - closed)
+
+
+def describe_skeleton(found: Skeleton, image: ImageReference | None) -> str:
+    """Describe a skeleton in a sentence: its branches, their length, and the thickness of what they lie in."""
+    count = len(found.contours)
+    if not count:
+        return tr("No center line was found.")
+    words = tr("1 branch, {length} long, up to {thickness} wide.")
+    if count > 1:
+        words = tr("{count} branches, together {length} long, up to {thickness} wide.")
+    length, thickness = _format_image_length(found.length, image, 0), _format_image_length(found.thickness, image)
+    return words.format(count=localize_number(f"{count:,}"), length=length, thickness=thickness)
 
 
 _NOTHING_FOUND = Skeleton((), (), (1, 1), (1.0, 1.0), None, "")

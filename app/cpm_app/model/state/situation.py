@@ -8,8 +8,9 @@ from dataclasses import field
 from typing import Literal
 
 from cpm_app.model.document.document import Document
+from cpm_app.model.document.modes import needs_start
 from cpm_app.model.text.language import tr
-from cpm_core import Contour, Result, Skeleton, Surface
+from cpm_core import RUN_METHODS, Contour, Result, Skeleton, Surface
 from cpm_core.numerics.types import frozen
 
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
@@ -140,6 +141,12 @@ def has_contours(situation: Situation) -> bool:
     return bool(situation.status.contours)
 
 
+def moves_particles(situation: Situation) -> bool:
+    """Tell whether the run moves particles, or without a run the next one."""
+    status = situation.status
+    return RUN_METHODS[status.method].seeded if status.started else needs_start(situation.document.mode)
+
+
 def can_step(situation: Situation) -> bool:
     """Tell whether a single step can be taken.
 
@@ -150,7 +157,7 @@ def can_step(situation: Situation) -> bool:
     return has_image(situation) and status.phase != "running" and not over
 
 
-HIDDEN_IN_VOLUMES = frozenset((*("outline", "objects_alike", "apply_to_folder"),))
+HIDDEN_IN_VOLUMES = frozenset(("outline", "objects_alike", "apply_to_folder"))
 """Names of actions and tools that are hidden while a volume is open."""
 
 

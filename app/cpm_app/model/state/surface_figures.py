@@ -44,24 +44,35 @@ def format_surface_figures(found: Surface | None) -> tuple[tuple[str, str, str],
 def _format_figure_values(found: Surface) -> Texts:
     size = preferred_pixel_size(found.spacing, found.unit)
     unit = size.unit or tr("voxels")
-    parts = (
-        tr("1 part") if found.components == 1 else tr("{count} parts", count=localize_number(f"{found.components:,}"))
-    )
-    if found.left_out:
-        parts = tr("{parts}, {count} left out", parts=parts, count=localize_number(f"{found.left_out:,}"))
     edges = found.free_edges + found.nonmanifold_edges
     closed = tr("yes") if not edges else tr("no, {count} open edges", count=localize_number(f"{edges:,}"))
     area, volume = found.area * size.factor**2, found.volume * size.factor**3
     support = "–" if math.isnan(found.unsupported) else localize_number(f"{100.0 * (1.0 - found.unsupported):.1f} %")
     square, cube = (f"{unit}²", f"{unit}³") if size.unit else (tr("voxel faces"), unit)
     return (
-        parts,
+        _count_parts(found),
         closed,
         localize_number(f"{found.euler:,}"),
         f"{_format_four_digits(area)} {square}",
         f"{_format_four_digits(volume)} {cube}",
         support,
     )
+
+
+def describe_surface(found: Surface | None) -> str:
+    """Describe in a sentence how many parts the surface has that a run has found."""
+    if found is None or not found.components:
+        return tr("No surface was found.")
+    return tr("A surface was found: {parts}.", parts=_count_parts(found))
+
+
+def _count_parts(found: Surface) -> str:
+    """Count the parts of a surface, and those that were left out."""
+    count = localize_number(f"{found.components:,}")
+    parts = tr("1 part") if found.components == 1 else tr("{count} parts", count=count)
+    if not found.left_out:
+        return parts
+    return tr("{parts}, {count} left out", parts=parts, count=localize_number(f"{found.left_out:,}"))
 
 
 def _format_four_digits(value: float) -> str:

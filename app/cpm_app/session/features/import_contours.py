@@ -53,7 +53,7 @@ def read_contour_file(session: Session, path: Path, on_read: Callable[[ImportedD
             except ValueError as other:
                 raise other from error
 
-    _read_in_background(session, path.name, read_content, f"reading {path.name}", on_read)
+    _read_in_background(session, path.name, read_content, on_read)
 
 
 def read_pasted(session: Session, content: bytes, on_read: Callable[[ImportedDrawing], object]) -> None:
@@ -63,14 +63,13 @@ def read_pasted(session: Session, content: bytes, on_read: Callable[[ImportedDra
     def decode_content(task: BackgroundTask) -> ImportedDrawing:
         return ImportedContent.from_contour_file(decode_contours(content, name, plane), name)
 
-    _read_in_background(session, name, decode_content, "reading the clipboard", on_read)
+    _read_in_background(session, name, decode_content, on_read)
 
 
 def _read_in_background(
     session: Session,
     name: str,
     work: Callable[[BackgroundTask], ImportedDrawing],
-    activity: str,
     on_read: Callable[[ImportedDrawing], object],
 ) -> None:
     """Read on a thread, and use the content unless another image has been opened."""
@@ -80,7 +79,8 @@ def _read_in_background(
         if image == session.store.image_generation:
             on_read(drawing)
 
-    session.tasks.start_task(tr("Reading {name}…", name=name), work, activity, on_result=use_if_current)
+    title, activity = tr("Reading {name}…", name=name), tr("reading {name}", name=name)
+    session.tasks.start_task(title, work, activity, on_result=use_if_current)
 
 
 def save_pasted_picture(session: Session, picture: QImage, on_saved: Callable[[Path], object]) -> None:
@@ -98,9 +98,9 @@ def save_pasted_picture(session: Session, picture: QImage, on_saved: Callable[[P
         write_together([(path, content)])
         return path
 
-    session.tasks.start_task(
-        tr("Reading {name}…", name=tr("the clipboard")), write_picture, "keeping the picture", on_result=on_saved
-    )
+    name = tr("the clipboard")
+    title, activity = tr("Reading {name}…", name=name), tr("reading {name}", name=name)
+    session.tasks.start_task(title, write_picture, activity, on_result=on_saved)
 
 
 def pasted_pictures_folder() -> Path:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -20,7 +20,7 @@ from cpm_app.session.exchange.messages import explain_failure
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
 from cpm_app.session.timeline.runs_json import read_valid_entries
 from cpm_app.session.undo_history import UndoHistory
-from cpm_core import Engine, Page, Result, State, load_pages
+from cpm_core import Engine, Image, Page, Result, State, load_pages
 from cpm_core.formats import Pages, Reading, decode_session, encode_session, page_from_json, page_to_json
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
@@ -169,14 +169,15 @@ def link_pages(
     follower = ContourFollower()
     pages = [found[number] for number in sorted(found)]
     pages = [follower.add_page(page.number, page.result) if page.result else page for page in pages]
-    measured = {}
+    known = dict[int, tuple[SegmentedObjects, Result | None]]()
     for number, document in documents.items():
         before, result = measured.get(number, (None, None))
-        if before is not document.objects:
+        size = document.image and (document.image.spacing, document.image.unit)
+        if before is not document.objects or (result and (result.spacing, result.unit) != size):
             result = build_objects_result(document)
             result = result and strip_image(replace(result, image=source.pages[number - 1]))
-        measured[number] = document.objects, result
-    objects = pages_from_results({number: result for number, (_, result) in measured.items() if result is not None})
+        known[number] = document.objects, result
+    objects = pages_from_results({number: result for number, (_, result) in known.items() if result is not None})
     tables: dict[ListedKind, StackTable] = {}
     of_kinds: tuple[tuple[ListedKind, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
     for kind, made in of_kinds:
@@ -184,7 +185,7 @@ def link_pages(
         if made:
             whole = StackResult(name, source.count, tuple(made), axis, alone, drawn)
             tables[kind] = whole, collect_page_rows(whole)
-    return LinkedPages(source, measured, tables)
+    return LinkedPages(source, known, tables)
 
 
 _MAX_PAGE_RUNS_CHARACTERS = 24 * 2**20
@@ -314,10 +315,20 @@ class PageDone:
     runs: JsonObject = field(default_factory=dict)
 
 
-def record_state(recorder: RunRecorder, task: BackgroundTask, state: State) -> None:
-    """Record a state of a run in the background; raise `Cancelled` if the task has been cancelled."""
-    task.check_cancelled()
-    recorder(state)
+def run_recorded(image: Image, document: Document, task: BackgroundTask) -> tuple[Result, JsonObject]:
+    """Run a document on its image in the background; return the result, and the run for a session.
+
+    Raise `Cancelled` if the task has been cancelled.
+    """
+    engine, recorder = Engine(image, document.parameters, document.regions), RunRecorder()
+
+    def record_state(state: State) -> None:
+        task.check_cancelled()
+        recorder(state)
+
+    result = run_document(engine, document, document.find_image_seeds(SeedCache(image)), record_state)
+    session = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
+    return result, session.runs
 
 
 def run_pages(
@@ -340,10 +351,7 @@ def run_pages(
             image = source.pages[number - 1]
             reference = ImageReference.from_image(Path(source.path), image, source.reading_for(number))
             document = replace(document, image=reference, parameters=limit_scales(document.parameters, image.shape))
-            recorder = RunRecorder()
-            engine = Engine(image, document.parameters, document.regions)
-            seeds = document.find_image_seeds(SeedCache(image))
-            result = run_document(engine, document, seeds, partial(record_state, recorder, task))
+            result, runs = run_recorded(image, document, task)
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others
@@ -353,6 +361,4 @@ def run_pages(
             )
             yield PageDone(Page(number, None, error=trouble), document, given)
             continue
-        page = follower.add_page(number, result)
-        session = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
-        yield PageDone(page, document, given, session.runs)
+        yield PageDone(follower.add_page(number, result), document, given, runs)

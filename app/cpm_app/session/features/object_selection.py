@@ -15,7 +15,6 @@ from PySide6.QtCore import QObject, Signal
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import AnySelection
-from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
@@ -23,7 +22,6 @@ from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
     MAX_OFFERED_PIXELS,
     AnyPartition,
-    Offer,
     PartitionUpdater,
     Selector,
     find_proposals,
@@ -32,6 +30,7 @@ from cpm_app.session.features.selector import (
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
@@ -122,6 +121,8 @@ class ObjectSelection(QObject):
         self._is_catching_up = False
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
+        self._is_searched = False
+        """Whether the search in the partition has ended."""
         self._selectors: dict[int, Selector] = {}
         self._request: SelectionRequest | None = None
         self._remark, self._was_ready = "", False
@@ -175,31 +176,11 @@ class ObjectSelection(QObject):
         return last.clicks == self._session.document.objects.clicks
 
     @property
-    def advice(self) -> str:
-        """Hint on what can be done with the proposals; empty if there are none, or if Enter accepts none of them."""
-        offered = self.proposals
-        keys = {row.key for row in self._list.rows_to_accept} if offered else set()
-        accepted = [each for each in offered if ("proposal", each.key) in keys]
-        if self.selecting:
-            hint = tr(
-                "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
-            )
-        elif 1 < len(accepted) < len(offered):
-            hint = tr("{chosen} of {count} objects are selected. Enter: accept them · {key:reject}: reject them")
-            if not self._list.selected_keys:
-                hint = tr("{chosen} of {count} objects are likely. Enter: accept them · {key:reject}: reject all")
-        elif len(accepted) > 1 and self._in_use:
-            hint = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
-        elif len(accepted) > 1:
-            hint = tr("{count} objects found. Enter: accept all · {key:objects}: select · {key:reject}: reject")
-        elif len(offered) > 1 and accepted:
-            hint = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
-        elif accepted:
-            hint = tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · {key:reject}: reject")
-        else:
-            return ""
-        likely = format_confidence(accepted[0].selection) if accepted else ""
-        return insert_keys(hint, count=len(offered), chosen=len(accepted), likely=likely and f", {likely}")
+    def offer_is_known(self) -> bool:
+        """Whether all that the run offers is shown; true if it offers nothing."""
+        newest, last = self._request, self._answered
+        shown = newest is not None and last is not None and last.selector is newest.selector
+        return not self._offers_run or (shown and self._is_searched and self.partition_updater.is_current)
 
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
@@ -389,7 +370,7 @@ class ObjectSelection(QObject):
         use.
         """
         document, result = self._session.document, self._session.scene.result
-        if result is None or not result.stop_reason or document.mode == "skeleton" or not document.starts:
+        if result is None or not result.stop_reason:
             return False
         return self._in_use or (math.prod(result.shape) <= MAX_OFFERED_PIXELS and self._pages.is_drawn(document))
 
@@ -401,39 +382,37 @@ class ObjectSelection(QObject):
             self._run_ended = over
             self._request_answer()
 
-    def _make_offer(self, partition: AnyPartition) -> Offer:
-        """Return the objects of the previous page, or what the run proposes."""
+    def _find_offered(self, partition: AnyPartition) -> tuple[Proposal, ...]:
+        """Return the objects of the previous page, or what the run proposes, as soon as they are found."""
         source, follow = self.partition_updater.source, self._followed_objects.search
-        rejected = self._session.document.objects.rejected
         find: Callable[[BackgroundTask], tuple[Proposal, ...]]
         if follow is not None and isinstance(partition, Partition):
             find, name = partial(follow, partition), tr("Following objects…")
         elif self._offers_run and isinstance(source, Result) and source.stop_reason:
             find, name = partial(find_proposals, source), tr("Finding the objects of the run…")
         else:
-            return Offer((), rejected)
+            return ()
         if self._searched is not partition:
-            self._searched, self._found = partition, ()
+            self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
             found = partial(self._on_objects_found, partition)
             self._finding = self._session.tasks.start_task(name, find, tr("finding objects"), on_result=found)
-        return Offer(self._found, rejected)
+        return self._found
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
-            self._found = found
+            self._found, self._is_searched = found, True
             self._request_answer()
-            if not found:
-                self._session.messages.show(tr("No object was found: click one, or start the run there."))
+            self.changed.emit()
 
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
-        known, offer = self._session.document.objects, self._make_offer(partition)
-        made_of = partition, known.items, offer, known.may_overlap
-        if any((each.partition, each.items, each.offer, each.overlaps) != made_of for each in self._selectors.values()):
+        known, found = self._session.document.objects, self._find_offered(partition)
+        made_of = partition, known.items, found, known.rejected, known.may_overlap
+        if any(each.made_of != made_of for each in self._selectors.values()):
             self._selectors = {}
         if number not in self._selectors:
-            self._selectors[number] = Selector(partition, known.items, number, offer, known.may_overlap)
+            self._selectors[number] = Selector(partition, known.items, number, found, known.rejected, known.may_overlap)
         return self._selectors[number]
 
     def _request_answer(self) -> None:
@@ -484,7 +463,9 @@ class ObjectSelection(QObject):
         self._remark = remark
         if candidate is not None and request.candidate_step is not None:
             self._on_candidate(request.candidate_step, *candidate)
-        self._answered = request
+        last, self._answered = self._answered, request
+        if last is None or last.selector is not request.selector:
+            self.changed.emit()
         self._catch_up()
         if self._pointed is not None:
             self._request_answer()  # what a click there would do now
@@ -493,7 +474,7 @@ class ObjectSelection(QObject):
         """Give up what waits for an answer that does not come."""
         self._answered = request
         self._waiting.clear()
-        self._clear_steps()
+        self._steps = 0
         self._show_awaited_clicks()
 
     def _catch_up(self) -> None:
@@ -519,7 +500,7 @@ class ObjectSelection(QObject):
     def _on_candidate(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
         """Select a candidate, and show its number."""
         (_, asked, by), (before, edited) = step, self._stepped_clicks
-        self._clear_steps()
+        self._steps = 0
         if asked != before:
             return
         if not clicks:
@@ -529,10 +510,8 @@ class ObjectSelection(QObject):
             self._session.messages.show(none)
         else:
             self._set_clicks(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
-            self._session.messages.show(tr("Candidate {number} of {count}.").format(number=number, count=count))
-
-    def _clear_steps(self) -> None:
-        self._steps = 0
+            ranked = tr("Candidate {number} of {count}.", number=number, count=count)
+            self._session.messages.show(ranked, category=EDITING_CATEGORY)
 
     def _set_proposals(self, proposals: tuple[Proposal, ...]) -> None:
         """Replace the proposals; there are none while there is no partition."""

@@ -6,24 +6,19 @@ import math
 import os
 import sys
 from dataclasses import field, replace
-from functools import partial
 from pathlib import Path
 
 from cpm_app.model.document.document import ImageReference
-from cpm_app.model.document.running import run_document
-from cpm_app.model.document.saving import from_session_file, to_session_file
-from cpm_app.model.text.language import tr
-from cpm_app.session.features.kept_pages import record_state
+from cpm_app.model.document.saving import from_session_file
+from cpm_app.session.features.kept_pages import run_recorded
 from cpm_app.session.features.selector import MAX_OFFERED_PIXELS, find_proposals
 from cpm_app.session.scene import Proposal
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_core import Engine, load_image
+from cpm_core import load_image
 from cpm_core.formats import SessionFile, adapt_reading
 from cpm_core.formats.images.reading import DEFAULT_READING
-from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonObject, record
 from cpm_core.pages import limit_scales
-from cpm_core.shapes import SeedCache
 
 _BACKGROUND_NICENESS = 10
 """How much the thread gives way to others, as the system counts it."""
@@ -59,9 +54,6 @@ def prepare_proposals(path: Path, settings: SessionFile, task: BackgroundTask) -
         return PreparedImage(path, image.file_sha256, settings)
     parameters = limit_scales(settings.parameters, image.shape)
     document = from_session_file(settings, ImageReference.from_image(path, image), parameters)
-    engine, recorder = Engine(image, parameters, document.regions), RunRecorder()
-    seeds = document.find_image_seeds(SeedCache(image))
-    result = run_document(engine, document, seeds, partial(record_state, recorder, task))
+    result, runs = run_recorded(image, document, task)
     proposals = find_proposals(result, task) if result.contours else ()
-    file = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
-    return PreparedImage(path, image.file_sha256, settings, proposals, file.runs)
+    return PreparedImage(path, image.file_sha256, settings, proposals, runs)

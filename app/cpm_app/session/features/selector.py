@@ -37,7 +37,7 @@ from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Extent, JsonDict, Mask, frozen
-from cpm_core.objects import compute_iou
+from cpm_core.objects import compute_iou, partition_without_run
 from cpm_core.objects.segmented import Click, SegmentedObject, collect_points, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.results import find_objects
@@ -100,6 +100,11 @@ class PartitionUpdater(QObject):
         """Whether a run from everywhere is going on."""
         return not self._task.is_over
 
+    @property
+    def is_current(self) -> bool:
+        """Whether the partition is that of what the scene shows."""
+        return self.source is not None and self.source == self._current_source()
+
     def update_partition(self, again: bool = False) -> None:
         """Start to make the partition that is needed now if its source is new; `again` even if it has failed before."""
         if again and self._latest.idle and not self.preparing:
@@ -117,7 +122,8 @@ class PartitionUpdater(QObject):
             if isinstance(source, EverywhereRun):
                 alone = source.image.ndim == 3 or math.prod(source.image.shape) > MAX_OFFERED_PIXELS
                 if self.partition is None or alone:  # usable at once; contours follow
-                    self._set_partition((source, _partition_without_run(source)))
+                    bare = partition_without_run(source.image, source.regions, source.parameters.channel)
+                    self._set_partition((source, bare))
                 if not alone:
                     self._start_run_everywhere(source)
             else:
@@ -205,13 +211,6 @@ def parameters_everywhere(document: Document) -> Parameters:
     return replace(EVERYWHERE_PARAMETERS, **changed)
 
 
-def _partition_without_run(source: EverywhereRun) -> AnyPartition:
-    """Make a partition without contours or a surface, which selects less exactly."""
-    if source.image.ndim == 3:
-        return VolumePartition(source.image, regions=source.regions)
-    return Partition(source.image, (), plane_regions(source.regions), source.parameters.channel)
-
-
 def _precompute_selection(made: AnyPartition) -> AnyPartition:
     """Have a partition compute and cache everything that a selection needs, so that the first one is fast."""
     middle = np.array([[0.5 * (side - 1) for side in made.shape]])
@@ -235,18 +234,6 @@ _MAX_KEPT_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
 
 
-@frozen
-class Offer:
-    """Offer of a run: the objects that it proposes, and the rejected ones to leave out."""
-
-    found: tuple[Proposal, ...] = ()
-    rejected: tuple[SegmentedObject, ...] = ()
-
-
-NO_OFFER = Offer()
-"""No offer, before a run has ended."""
-
-
 class Selector:
     """Selects objects on one partition and keeps the selections; each click changes the selection of those before it.
 
@@ -258,8 +245,10 @@ class Selector:
         The existing objects.
     edited : int
         Number of the object being changed, 0 for none; its own clicks select it unchanged.
-    offer : Offer
-        Offer of a run; the clicks of a found object select it unchanged, too.
+    found : tuple of Proposal
+        Objects that a run proposes; the clicks of one of them select it unchanged, too.
+    rejected : tuple of SegmentedObject
+        Objects that are not proposed again.
     overlaps : bool
         Whether selections may run over existing objects that are not frozen.
     """
@@ -269,10 +258,14 @@ class Selector:
         partition: AnyPartition,
         items: Sequence[SegmentedObject],
         edited: int = 0,
-        offer: Offer = NO_OFFER,
+        found: tuple[Proposal, ...] = (),
+        rejected: tuple[SegmentedObject, ...] = (),
         overlaps: bool = False,
     ) -> None:
-        self.partition, self.items, self.edited, self.offer, self.overlaps = partition, items, edited, offer, overlaps
+        self.partition, self.edited = partition, edited
+        self.made_of = partition, items, found, rejected, overlaps
+        """All that it depends on besides the object being changed."""
+        self.items, self._offered, self._rejected = items, found, rejected
         self._limits = [item for item in items if item.number != edited and (item.frozen or not overlaps)]
         self._known: dict[Clicks, AnySelection | None] = {}
         self._stepped: tuple[Clicks, tuple[Sequence[AnySelection], int]] | None = None
@@ -343,8 +336,8 @@ class Selector:
 
     @cached_property
     def _found(self) -> tuple[Proposal, ...]:
-        """The found objects of the offer, without the pixels of existing ones."""
-        limited = map(self._limit_proposal, self.offer.found)
+        """The found objects, without the pixels of existing ones."""
+        limited = map(self._limit_proposal, self._offered)
         return tuple(each for each in limited if each.selection.has_boundary)
 
     @cached_property
@@ -382,7 +375,7 @@ class Selector:
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:
         """The offered objects, except for rejected ones, those that exist, and parts of merged or corrected ones."""
-        found, known = self.offer.found, (*self.items, *self.offer.rejected)
+        found, known = self._offered, (*self.items, *self._rejected)
         if isinstance(self.partition, VolumePartition):
             left = _remove_taken_bodies(self.partition, found, known)
         else:

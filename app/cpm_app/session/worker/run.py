@@ -104,34 +104,36 @@ class Run:
 
     def set_parameters(self, parameters: Parameters) -> None:
         """Use these parameters from the next step on."""
-        self.parameters = parameters
-        self.reconstruct_if_halted()
+        if parameters != self.parameters:
+            self.parameters = parameters
+            self.reconstruct_if_halted()
 
     def set_start(self, document: Document) -> None:
         """Show the area of a document's start as long as there is no run."""
         self._drawn = document
 
-    def set_charges(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
+    def set_charges(self, image_generation: int, charges: tuple[PlacedCharge, ...], resumes: bool = True) -> bool:
         """Use these placed charges from the next step on this image; return whether a run that had ended continues."""
         if image_generation != self.image_generation:
             return False
         self.charges = charges
-        return self._resume_ended()
+        return resumes and self._resume_ended()
 
-    def set_regions(self, regions: AnyRegions | None) -> bool:
+    def set_regions(self, regions: AnyRegions | None, resumes: bool = True) -> bool:
         """Use these regions and barriers from the next step on; return whether a run that had ended continues."""
         if self.method is None or regions == self.method.regions:
             return False
         self.method = self.method.with_regions(regions)
         self._prepared.keep_method(self.method)
-        return self._resume_ended()
+        return resumes and self._resume_ended()
 
     def add_particles(self, document: Document) -> bool:
-        """Add the particles of a document's starts; return whether a run that had ended continues."""
+        """Add the particles of a document's starts; return whether a run that had ended continues, on a branch."""
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
-        self._apply_action(JoinAction(as_line(self._prepared.compute_seeds(document)), self.method.regions))
+        joined = JoinAction(as_line(self._prepared.compute_seeds(document)), self.method.regions)
+        self._apply_action(joined, on_own_branch=ended)
         return ended and self._step_without_limit()
 
     def erase_particles(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
@@ -214,7 +216,7 @@ class Run:
         return self.image_generation, self.state is None, self._drawn, *made_of
 
     def _compute_start_area(self) -> DisplayImage | None:
-        """Compute the overlay of the area by which the run, or one from the document, is limited, if any."""
+        """Compute the overlay of the area of the run, or of one from the document; without edges, the whole image."""
         method, state = self.method, self.state
         if state is None and self._drawn.starts:
             method = self._prepared.method_for(self._drawn)
@@ -226,7 +228,9 @@ class Run:
         if not isinstance(state, State):
             return None
         area = method.start_area(state.start, self.parameters)
-        return None if area is None else DisplayImage.from_shades(shade_area(area))
+        if area is None:
+            area = np.ones(method.image.shape, bool)
+        return DisplayImage.from_shades(shade_area(area))
 
     # Steps
 
@@ -368,7 +372,7 @@ class Run:
             generation=self.generation,
             method=self.method.name,
             state=state,
-            position=self.method.display_positions(state),
+            position=state.position,
             resting=speed < RESTING_SPEED,
             steps_per_second=self.pacer.per_second,
             metrics=self.timeline.metrics_until(branch, state.step),

@@ -7,11 +7,16 @@ from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
+from cpm_app.model.display.display_image import DisplayImage, measure_area_share
 from cpm_app.model.document import edits
-from cpm_app.model.text.language import tr, translate_core_text
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import localize_number, tr, translate_core_text
+from cpm_app.session.exchange.messages import OverlayData
 from cpm_app.session.features.comparison import CURRENT_KEY
+from cpm_app.session.features.outcome import describe_outcome
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.session_messages import OPENING_CATEGORY, PROGRAM_CATEGORIES
+from cpm_app.session.worker.prepared_methods import AREA_OVERLAY
 from cpm_app.views.canvas.canvas import Canvas, ToolDispatcher
 from cpm_app.views.canvas.crosshair import Crosshair
 from cpm_app.views.canvas.flow import ParticleFlow
@@ -24,6 +29,17 @@ from cpm_app.views.tools.select import SelectTool
 from cpm_app.views.widgets.containers import ENTER_KEYS, OfferBar, fill_layout
 from cpm_core.numerics import Place
 from cpm_core.shapes import Circle, Sphere
+
+_WIDE_AREA_TEXT = tr(
+    "No edge encloses this start: its area is {percent} of the image. Start inside an object, or limit the run by a "
+    "region of interest ({key:region})."
+)
+"""Sentence on an area of a start that covers most of the image."""
+
+_OTHER_VALUES_TEXT = tr(
+    "This step was computed with other values than the sliders show; the button next to its number sets them."
+)
+"""Sentence on a step that was computed with other parameters than those of the document."""
 
 FIRST_TOOL = "circle"
 """Tool in use when the window opens."""
@@ -44,6 +60,9 @@ _DRAFT_KEYS = (*ENTER_KEYS, Qt.Key.Key_Backspace)
 
 _PAN_STEP = 40.0
 """Distance that one press of an arrow key pans [px of the screen]."""
+
+_WIDE_AREA_SHARE = 0.5
+"""Share of the image above which the area of a start is said to cover most of it."""
 
 _NEW_CIRCLE_FRACTION = 0.2
 """Radius of a circle added by key, as a fraction of the visible part."""
@@ -75,6 +94,9 @@ class CanvasArea(QWidget):
         self._tools = {kind.name: kind(*tool_arguments) for kind in TOOLS}
         self.canvas.dispatcher = ToolDispatcher(self._tools[FIRST_TOOL], SelectTool(*tool_arguments))
         self._has_focus_from_field = False
+        self._was_running = self._tells_outcome = False
+        self._area: OverlayData | None = None
+        self._area_share = 0.0
         self.canvas.installEventFilter(self)
         self.canvas.pointer_moved.connect(self._on_pointer_moved)
         self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
@@ -88,6 +110,7 @@ class CanvasArea(QWidget):
         session.store.status_changed.connect(self.update_hint)
         self.flow.changed.connect(self._draw_scene)
         self._selection.changed.connect(self.update_hint)
+        workspace.navigation.changed.connect(self._on_step_changed)
         workspace.object_list.selection_changed.connect(self.update_hint)
         self._draw_scene()
 
@@ -102,6 +125,7 @@ class CanvasArea(QWidget):
             self._session.select_shape(None)
         self.crosshair.move_by(0.0, 0.0)
         self.canvas.setFocus()
+        self._tells_outcome = False
         self.update_hint()
         if changed:
             self.tool_changed.emit()
@@ -138,11 +162,25 @@ class CanvasArea(QWidget):
             self._workspace.contour_selection.select()
 
     def update_hint(self) -> None:
-        """Show the next step below the canvas; advice of the tool has priority."""
-        text = self._session.resolved.hint
-        if self._session.document.image is not None:
-            offered = "" if self._selection.selecting else self._selection.advice
-            text = self.crosshair.advice or self.canvas.dispatcher.tool.advice or offered or text
+        """Show below the canvas what was found and what to do next.
+
+        The end of a run speaks before the tool, until another one is chosen; gestures and selections speak first.
+        """
+        session, tool = self._session, self.canvas.dispatcher.tool
+        status, text = session.status, session.resolved.hint
+        running = status.phase == "running"
+        self._tells_outcome = not running and (self._tells_outcome or self._was_running)
+        self._was_running = running
+        if status.phase == "ready" and self._area_share > _WIDE_AREA_SHARE:
+            text = insert_keys(_WIDE_AREA_TEXT, percent=localize_number(f"{100.0 * self._area_share:.0f} %"))
+        chosen = self._workspace.object_list.selected_numbers or session.scene.selected_contours
+        if session.document.image is not None:
+            found = text if status.stale or status.steered else describe_outcome(self._workspace)
+            if status.phase == "paused" and self._workspace.navigation.differing_parameters is not None:
+                found = _OTHER_VALUES_TEXT
+            engaged = self.canvas.dispatcher.is_gesturing or chosen
+            first, then = (found, tool.advice) if self._tells_outcome and not engaged else (tool.advice, found)
+            text = self.crosshair.advice or first or then or text
         self.strip.show_hint(text)
 
     def zoom_to_selection(self) -> None:
@@ -187,7 +225,17 @@ class CanvasArea(QWidget):
         """Note that the pointer has been used since a field returned the focus."""
         self._has_focus_from_field = False
 
+    def _on_step_changed(self) -> None:
+        """Update the hint for another step of the timeline; during a run the status does."""
+        if self._session.status.phase != "running":
+            self.update_hint()
+
     def _draw_scene(self) -> None:
+        area = self._session.scene.overlays.get(AREA_OVERLAY)
+        if area is not self._area:
+            self._area = area
+            self._area_share = measure_area_share(area) if isinstance(area, DisplayImage) else 0.0
+            self.update_hint()
         self.canvas.draw_scene(self.flow.scene)
         self.strip.legend.schedule_update()
 

@@ -295,6 +295,7 @@ class ExportDialog(QDialog):
         self.list.blockSignals(True)
         for (what, suffix), row in self.rows.items():
             row.setText(1, export_file_name(base, what, suffix, what == first))
+            row.setToolTip(1, row.text(1))
         self.list.blockSignals(False)
         folder = str(self.folder)
         self._folder_button.setText(

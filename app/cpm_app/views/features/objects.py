@@ -78,7 +78,7 @@ class ObjectsFeature(Feature):
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals, or the selected contours, as objects; Enter does the same.",
-                       partial(selection.do_in_order, commands.accept_pending),
+                       partial(selection.do_in_order, commands.accept_pending), shown_key="Enter",
                        when=lambda _: bool(selection.proposals) or commands.can_accept),
             ActionSpec("reject", "Objects", "&Reject",
                        "Dismiss proposals and remove objects; none is proposed again.",

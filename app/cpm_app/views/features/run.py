@@ -7,10 +7,17 @@ from functools import partial
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
 
-from cpm_app.model.document.modes import needs_start
 from cpm_app.model.preferences.table import TIMELINE_MEMORY, UNIT_PREFERENCE
 from cpm_app.model.state.resolve import resolve_texts
-from cpm_app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
+from cpm_app.model.state.situation import (
+    Situation,
+    can_step,
+    has_image,
+    has_particles,
+    is_running,
+    is_started,
+    moves_particles,
+)
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
@@ -83,7 +90,7 @@ class RunControlFeature(Feature):
         resolved, snapshot = session.resolved, session.scene.snapshot
         frames = localize_number(f"{session.frames_per_second:.0f}") if is_running(session.situation) else "–"
         self.panel.status.show_resolved(resolved, frames)
-        self.panel.plots.setVisible(needs_start(session.document.mode))  # only these modes move particles
+        self.panel.plots.setVisible(moves_particles(session.situation))
         self.panel.show_metrics(snapshot.metrics if snapshot else None)
 
 

@@ -205,6 +205,7 @@ class DrawingLayer(Layer):
         self.add_items(self._handles, self._dim, self._regions, self._barriers, self._rings, self._reach)
         self.add_items(self._charges, self._signs)
         self._draft = DraftItems(self.view)
+        self._hides_computed = False
 
     @property
     def selected_shape(self) -> Section | None:
@@ -233,6 +234,11 @@ class DrawingLayer(Layer):
             self.apply_opacity()
         elif scene.image_seeds is not before.image_seeds:
             self._show_computed()
+
+    def hide_computed(self, hides: bool) -> None:
+        """Hide the seeds computed from the image, which would lie over what is clicked, or show them again."""
+        self._hides_computed = hides
+        self._show_computed()
 
     def show_draft(
         self,
@@ -309,7 +315,7 @@ class DrawingLayer(Layer):
 
     def _show_computed(self) -> None:
         """Show the seeds computed from the image."""
-        seeds = {} if self.scene.has_particles else self.scene.image_seeds
+        seeds = {} if self.scene.has_particles or self._hides_computed else self.scene.image_seeds
         starts = [start for start in self.scene.document.image_starts if start in seeds]
         for kind, discs in self.computed.items():
             discs.show_discs(

@@ -18,7 +18,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.display.effects import FILTER_PARAMETERS, describe_contours_left, describe_effects
+from cpm_app.model.display.effects import (
+    FILTER_PARAMETERS,
+    MOTION_PARAMETERS,
+    describe_contours_left,
+    describe_effects,
+)
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.modes import find_effective_controls, initial_parameters
@@ -171,7 +176,6 @@ class ParameterRow(QWidget):
     def show_effect(self, words: str) -> None:
         """Show the effect of the current value below the slider."""
         self.effect.setText(words)
-        self.effect.setVisible(bool(words))
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """Return the parameter. See `MenuOwner`."""
@@ -203,7 +207,9 @@ class ParameterRow(QWidget):
         grid.addWidget(self.number, 0, 3)
         grid.addWidget(self.effect, 2, 0, 1, 4)
         grid.setColumnStretch(0, 1)
-        self.effect.hide()
+        # its line is there before there is an effect, so that a run moves no slider
+        self.effect.setFixedHeight(self.fontMetrics().height())
+        self.effect.setVisible(self.control.name in (*MOTION_PARAMETERS, *FILTER_PARAMETERS))
 
     def _on_value_changed(self, value: float) -> None:
         self.changed.emit(self.control.name, int(value) if self.control.is_whole else value)

@@ -296,6 +296,7 @@ QToolBar QToolButton:disabled { color: $faded; }
 QToolBar QToolButton::menu-indicator { subcontrol-origin: padding; subcontrol-position: right center;
                                         right: 3px; }
 QToolBar QToolButton#tools { padding: 3px 14px 2px 2px; }
+QToolBar QToolButton#tools[start="true"]:checked { background: transparent; border-color: transparent; }
 QToolBar QToolButton#tools::menu-button { border: none; width: 14px; }
 QToolBar QToolButton#qt_toolbar_ext_button { padding: 0; background: $button; border-color: $line; }
 QToolBar QToolButton#primary { background: $accent; color: $accent_text; font-weight: 600; }

@@ -59,17 +59,25 @@ class ObjectTool(Tool):
         """Sentence on what to do next."""
         if not self._selection.ready:
             return ""
-        if self._list.selected_numbers and not self._selection.selecting:
+        if self._selection.selecting:
+            return insert_keys(
+                tr(
+                    "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} "
+                    "cancels."
+                )
+            )
+        if self._list.selected_numbers:
             return insert_keys(
                 tr(
                     "Click again: correct · Ctrl-click: another object here · {key:name_object}: rename · "
                     "1-9: class · Delete: remove"
                 )
             )
-        return self._selection.advice or tr("Click in an object, or drag across it.")
+        return "" if self._selection.proposals else tr("Click in an object, or drag across it.")
 
     def set_in_use(self, in_use: bool) -> None:
-        """Keep the image prepared while the tool is in use."""
+        """Keep the image prepared, and without the dots of starts everywhere, while the tool is in use."""
+        self._drawing.hide_computed(in_use)
         self._selection.set_in_use(in_use)
 
     def on_press(self, at: Place, reach: float) -> None:

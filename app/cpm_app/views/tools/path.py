@@ -47,8 +47,8 @@ _MIN_PATH_LENGTH = 1.0
 class PathTool(Tool):
     """Draws a path: a drag draws it freehand and finishes it; clicks place corners until it is finished.
 
-    In a slice, a drag around an area draws a rectangle. The draft is kept out of the document, so that the document
-    changes only once.
+    A drag around an area draws a rectangle. The draft is kept out of the document, so that the document changes only
+    once.
     """
 
     works_by_clicks = True
@@ -58,6 +58,8 @@ class PathTool(Tool):
     color = theme.DRAWING_COLOR
     closed = True
     """Whether the last corner is joined to the first."""
+    is_area = False
+    """Whether the path encloses an area, around which a drag draws a rectangle."""
     is_spatial = False
     """Whether the path of a volume lies in space rather than in a slice."""
 
@@ -108,13 +110,13 @@ class PathTool(Tool):
         self._show_draft()
 
     def on_drag(self, at: Place) -> None:
-        """Draw freehand, or a rectangle in a slice, after the pointer has left the place of the press."""
+        """Draw freehand, or a rectangle around an area, after the pointer has left the place of the press."""
         if self._pressed is None:
             return
         self._freehand = self._freehand or math.dist(self._pressed, at) > self._reach
         if not self._freehand:
             return
-        if self._first and self._begun is not None and self.closed and not self.is_spatial:
+        if self._first and self.is_area:
             (top, left), (bottom, right) = self.position_in_slice(self._pressed), self.position_in_slice(at)
             corners = ((top, left), (top, right), (bottom, right), (bottom, left))
             self._corners, self._boxed = list(map(self.place_in_image, corners)), True
@@ -232,8 +234,11 @@ class GridTool(PathTool):
     menu_text = tr("&Grid")
     shortcut = "G"
     group = AREA_GROUP
-    tip = tr("Drag, or click corner by corner, around an area to cover with an even grid; [ and ] change its spacing.")
+    tip = tr(
+        "Drag a rectangle, or click corner by corner, to cover an area with an even grid; [ and ] change its spacing."
+    )
     shape_class = Grid
+    is_area = True
 
     def build_solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """Build a grid in the box around the path."""
@@ -248,9 +253,10 @@ class ThresholdTool(PathTool):
     shortcut = "H"
     group = AREA_GROUP
     tip = tr(
-        "Drag, or click corner by corner, around an area in which to start on strong edges; [ and ] change how strong."
+        "Drag a rectangle, or click corner by corner, to start on the strong edges in it; [ and ] change how strong."
     )
     shape_class = Threshold
+    is_area = True
 
     def build_solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """Build the box around the path."""
@@ -264,8 +270,9 @@ class RegionTool(PathTool):
     menu_text = tr("Region of &interest")
     shortcut = "I"
     group = LIMIT_GROUP
-    tip = tr("Drag, or click corner by corner, around the region that particles must stay in.")
+    tip = tr("Drag a rectangle, or click corner by corner, around the region that particles must stay in.")
     shape_class = Region
+    is_area = True
     color = theme.REGION_COLOR
 
     def build_solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:

@@ -75,6 +75,8 @@ class ActionSpec:
         Returns its icon in a situation, if that changes.
     short : str
         Text on a tool button if that of the menu is too long.
+    shown_key : str
+        Key shown in the menu that does the same on the canvas, where it may also mean something else.
     """
 
     name: str
@@ -93,6 +95,7 @@ class ActionSpec:
     text_for: Callable[[Situation], str] | None = None
     icon_for: Callable[[Situation], str] | None = None
     short: str = ""
+    shown_key: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "text", translate_core_text(self.text))
@@ -198,7 +201,8 @@ class Actions(dict[str, QAction]):
                 turns.schedule_work(partial(self._tint_icon, name))
 
     def _create_action(self, spec: ActionSpec, parent: QWidget) -> QAction:
-        action = QAction(spec.text, parent)
+        shown = f"\t{native_key_text(spec.shown_key)}" if spec.shown_key else ""
+        action = QAction(spec.text + shown, parent)
         action.setShortcuts([QKeySequence(keys) for keys in spec.shortcuts])
         if spec.group or spec.checked_when:
             action.setCheckable(True)
@@ -230,8 +234,8 @@ class Actions(dict[str, QAction]):
 
 
 def _without_mnemonic(text: str) -> str:
-    """Return a text without its mnemonic, which Chinese and Japanese put in parentheses."""
-    return re.sub(r"\(&\w\)", "", text).replace("&", "")
+    """Return a text without a shown key and its mnemonic, which Chinese and Japanese put in parentheses."""
+    return re.sub(r"\(&\w\)", "", text.partition("\t")[0]).replace("&", "")
 
 
 def add_menu_action(menu: QWidget, text: str, do: Callback, tip: str = "", checked: bool | None = None) -> QAction:

@@ -110,7 +110,10 @@ def _create_mode_buttons(actions: Actions) -> QWidget:
 
 
 _TOOL_BUTTON_WIDTH = 80
-"""Width of a button, enough for the longest word [px]."""
+"""Smallest width of a button [px]."""
+
+_TOOL_BUTTON_MARGIN = 22
+"""Space beside the word of a button, with the arrow of its menu [px]."""
 
 
 class ToolPalette(QToolBar):
@@ -125,9 +128,12 @@ class ToolPalette(QToolBar):
         names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in TOOL_GROUPS}
         names[AUTO_GROUP] = [f"start_{kind}" for kind in SEEDING_KINDS]
         self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
+        self.buttons[AUTO_GROUP].setProperty("start", True)  # its check mark is no tool in use
         column = QWidget()
+        longest = max(map(self.fontMetrics().horizontalAdvance, TOOL_GROUPS))
         for button in self.buttons.values():
             button.setIconSize(self.iconSize())
+            button.setFixedWidth(max(_TOOL_BUTTON_WIDTH, longest + _TOOL_BUTTON_MARGIN))
         fill_layout(QVBoxLayout(column), *self.buttons.values(), None, spacing=0)
         scrolled = VerticalScrollArea(column, 100)
         scrolled.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
@@ -142,7 +148,6 @@ class ToolButton(QToolButton):
         self.setObjectName("tools")
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         self.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
-        self.setFixedWidth(_TOOL_BUTTON_WIDTH)
         self.setAutoRaise(True)
         menu = QMenu(self, toolTipsVisible=True)
         menu.addActions(actions)

@@ -81,6 +81,8 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path,
     session.edit("sure edge", lambda document: edits.set_parameter(document, "sure_edge", 0.5))
     hand.wait(lambda: session.status.step == 9 and session.idle)
     hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
+    assert session.scene.skeleton is not None
+    hand.key(Qt.Key.Key_R)
     assert session.scene.skeleton is None
     assert (layer.branches.count, layer.disks.count) == (0, 0)
 
@@ -102,6 +104,29 @@ def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, 
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.status.phase == "finished" and session.idle)
     assert (session.status.method, len(session.status.contours)) == ("cpm", 1)
+
+
+def test_a_mode_leaves_what_was_found_until_the_next_run(ready, hand) -> None:
+    session, selection = ready.session, ready.workspace.object_selection
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle and selection.idle and selection.offer_is_known)
+    found, offered, numbers = session.scene.reconstruction, selection.proposals, session.resolved.numbers
+    assert found.result.contours and offered
+    for mode in ("automatic", "skeleton", "published", "shape"):
+        hand.qtbot.mouseClick(ready.findChild(QToolButton, f"mode_{mode}"), Qt.MouseButton.LeftButton)
+        hand.qtbot.wait(50)
+        hand.wait(lambda: session.idle and selection.idle)
+        assert session.document.mode == mode
+        assert session.scene.reconstruction is found
+        assert session.resolved.numbers == numbers
+        assert ("stays until Run" in ready.canvas_area.hint.text()) == (mode in ("skeleton", "published"))
+        assert [each.selection for each in selection.proposals] == [each.selection for each in offered]
+    hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: session.scene.skeleton is not None and session.idle)
+    hand.wait(lambda: not selection.proposals)
 
 
 def find_skeleton(window, hand):

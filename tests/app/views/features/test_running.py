@@ -11,7 +11,7 @@ from cpm_app.model.display.display_image import shade_edge_map
 from cpm_app.model.display.effects import MOTION_PARAMETERS
 from cpm_app.model.document import edits
 from cpm_app.views.widgets.containers import ElidedLabel
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
@@ -225,6 +225,25 @@ def test_what_the_sliders_of_the_motion_change_is_shown_next_to_them(ready, hand
     words = [rows[name].effect.text() for name in MOTION_PARAMETERS]
     assert words[:2] == ["at rest", f"{outline:.0f} px of contours"]
     assert words[2] == "creeps up to 2.0 px"
+
+
+def test_a_run_moves_no_slider(ready, hand) -> None:
+    rows = ready.panels["run"].parameters.rows
+
+    def places():
+        hand.qtbot.wait(1)
+        return [row.slider.mapTo(ready, QPoint()) for row in rows.values() if row.isVisible()]
+
+    before = places()
+    assert len(before) >= 6
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: ready.session.idle)
+    assert places() == before
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.session.idle)
+    assert rows["beta"].effect.text()
+    assert places() == before
 
 
 @pytest.mark.parametrize("name", ["beta"])

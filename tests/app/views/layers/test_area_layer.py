@@ -63,6 +63,21 @@ def test_the_area_appears_with_a_start_and_is_that_of_the_engine(drawn, hand) ->
     assert (entry.count, entry.text) == (1, "area of the start")
 
 
+def test_an_area_of_most_of_the_image_is_told_below_it(window, hand) -> None:
+    window.session.edit("one scale", lambda document: replace(document, parameters=replace(PRESETS["shape"], scales=1)))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_C)
+    hint = window.canvas_area.hint
+    hand.drag((32.0, 32.0), (32.0, 36.0), (32.0, 40.0))
+    hand.wait(lambda: area(hand) is not None and window.session.idle)
+    assert "of the image" not in hint.text()
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    hand.drag((8.0, 8.0), (8.0, 10.0), (8.0, 12.0))
+    hand.wait(lambda: "of the image" in hint.text())
+    assert np.count_nonzero(area(hand)) == area(hand).size
+    assert "its area is 100 % of the image" in hint.text()
+
+
 def test_the_area_is_a_faint_tint_over_the_image(drawn, hand) -> None:
     dark, bright = (8.0, 8.0), (32.0, 26.0)
     shown = [hand.color_at(*place) for place in (dark, bright)]

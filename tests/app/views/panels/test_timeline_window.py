@@ -219,8 +219,10 @@ def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand,
     step = navigation(rested).current_step[1]
     wait_for_step(rested, hand, step)
     assert panel.parameters.isVisible()
+    assert "other values than the sliders show" in rested.canvas_area.hint.text()
     hand.qtbot.mouseClick(panel.parameters, LEFT)
     assert rested.session.document.parameters == first
+    assert "other values" not in rested.canvas_area.hint.text()
     assert not panel.parameters.isVisible()
     assert "parameters of step" in rested.actions_by_name["undo"].text()
     hand.canvas.setFocus()

@@ -421,7 +421,7 @@ def test_a_click_that_changes_nothing_leaves_the_confidence_and_says_so(window, 
 
 def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window, hand, layer) -> None:
     run_everywhere(hand)
-    assert "2 objects found. Enter: accept all" in window.canvas_area.hint.text()
+    assert "2 objects found. Enter accepts all" in window.canvas_area.hint.text()
     assert layer.proposal_fill.count == 2
     hand.key(KEY.Key_Return)
     masks = [item.mask((64, 64)) for item in taken(window)]
@@ -491,13 +491,13 @@ def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, 
     monkeypatch.setattr(object_selection, "find_proposals", found)
     hint, listed = window.canvas_area.hint, window.workspace.object_list
     run_everywhere(hand, count=3)
-    assert hint.text().startswith("2 of 3 objects are likely. Enter: accept them")
+    assert hint.text().startswith("3 objects found, 1 doubtful. Enter accepts 2 ")
     listed.select_objects(
         row.key[1]
         for row in listed.rows
         if row.kind == "proposal" and row.item.encloses(np.array([SMALL[0], corner])).any()
     )
-    assert hint.text().startswith("2 of 3 objects are selected. Enter: accept them")
+    assert hint.text().startswith("2 of 3 objects are selected. Enter accepts them")
     take(hand)
     assert len(taken(window)) == 2
     assert any(item.encloses(np.array([corner]))[0] for item in taken(window))
@@ -565,6 +565,7 @@ def test_brackets_take_the_next_candidate_and_undo_takes_the_step_back(window, h
         assert window.session.document.objects.clicks[-1].step == step
     hand.wait(lambda: objects.idle and offered(objects).sum() == disk(SMALL[0], 5.0).sum())
     take(hand)
+    assert "Candidate" not in window.canvas_area.messages.text
     (item,) = taken(window)
     assert item.clicks[-1].step == -1
     objects.refit_objects(frozenset({1}))
@@ -606,7 +607,7 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
     likely = format_confidence(selection.proposals[0].selection)
-    assert f"1 object found, {likely}. Enter: accept" in window.canvas_area.hint.text()
+    assert f"1 object found, {likely}. Enter accepts it" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9

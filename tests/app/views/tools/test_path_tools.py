@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from cpm_core.numerics import polyline
-from cpm_core.shapes import Barrier, Region, Stroke
+from cpm_core.shapes import Barrier, Grid, Region, Stroke, Threshold
 
 pytestmark = pytest.mark.shared_window
 
@@ -56,7 +56,7 @@ def test_clicks_place_corners_and_enter_ends_the_path_as_one_step_of_undo(window
 
 
 def test_a_drag_draws_freehand_and_the_path_follows_the_pointer(window, hand, cases) -> None:
-    for key in cases(KINDS):
+    for key in cases((KEY.Key_T, KEY.Key_B)):
         hand.key(key)
         angles = np.linspace(0.0, 1.5 * np.pi, 120)
         way = [(32.0 + 20.0 * math.sin(angle), 32.0 + 20.0 * math.cos(angle)) for angle in angles]
@@ -66,6 +66,16 @@ def test_a_drag_draws_freehand_and_the_path_follows_the_pointer(window, hand, ca
         assert max(polyline.distance_to_path(shape.points, position) for position in way) < 1.5
         assert max(polyline.distance_to_path(way, point) for point in shape.points) < 1.0
         assert 8 <= len(shape.points) < len(way)
+
+
+def test_a_drag_from_corner_to_corner_draws_an_area_as_a_rectangle(window, hand, cases) -> None:
+    for key, kind in cases({KEY.Key_I: Region, KEY.Key_G: Grid, KEY.Key_H: Threshold}.items()):
+        hand.canvas.setFocus()
+        hand.key(key)
+        hand.drag((50.0, 52.0), (30.0, 31.0), (10.0, 12.0))
+        shape = only(window)
+        assert type(shape) is kind
+        assert near(shape.points, ((50.0, 52.0), (50.0, 12.0), (10.0, 12.0), (10.0, 52.0)))
 
 
 def test_a_click_on_the_first_corner_closes_a_region_but_not_a_barrier(window, hand) -> None:

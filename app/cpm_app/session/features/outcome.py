@@ -1,0 +1,63 @@
+"""The outcome of a run in a sentence: what was found, and what Enter will do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cpm_app.model.state.resolve import describe_contours, describe_skeleton
+from cpm_app.model.state.surface_figures import describe_surface
+from cpm_app.model.text.keys import insert_keys
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.object_list import MIN_SURE_CONFIDENCE
+from cpm_app.session.features.object_rows import ObjectRow
+from cpm_app.session.features.object_selection import format_confidence
+from cpm_app.session.features.workspace import Workspace
+from cpm_core import Skeleton
+
+
+def describe_outcome(workspace: Workspace) -> str:
+    """Describe what has been found and what Enter accepts; empty without proposals before the end of a run."""
+    offered = [row for row in workspace.object_list.rows if row.kind == "proposal"]
+    if offered:
+        return _describe_proposals(workspace, offered)
+    status, document = workspace.session.status, workspace.session.document
+    if status.phase != "finished" or status.found is None:
+        return ""
+    if isinstance(status.found, Skeleton):
+        found = describe_skeleton(status.found, document.image)
+        return f"{found} {insert_keys(tr('{key:export} exports it.'))}" if status.contours else found
+    found = describe_surface(status.surface) if document.has_volume else describe_contours(status.contours)
+    if document.objects.items or not workspace.object_selection.offer_is_known:
+        return found
+    return f"{found} {insert_keys(tr('No object is offered: click one ({key:objects}).'))}"
+
+
+def _describe_proposals(workspace: Workspace, offered: Sequence[ObjectRow]) -> str:
+    """Describe the rows of proposals by how sure they are; empty if Enter accepts none of them."""
+    listed = workspace.object_list
+    accepted = [row for row in listed.rows_to_accept if row.kind == "proposal"]
+    if not accepted:
+        return ""
+    doubtful = sum(row.item.confidence < MIN_SURE_CONFIDENCE for row in offered)
+    one = len(accepted) == 1
+    if listed.selected_keys:
+        sentence = tr("{chosen} of {count} objects are selected. Enter accepts them · {key:reject}: reject them")
+        if one:
+            sentence = tr("1 of {count} objects is selected{likely}. Enter accepts it · {key:reject}: reject it")
+    elif doubtful == len(offered):
+        sentence = tr("Nothing sure was found: click an object. Enter accepts all {count} doubtful ones.")
+        if one:
+            sentence = tr("Nothing sure was found: click an object. Enter accepts the doubtful one.")
+    elif doubtful:
+        sentence = tr(
+            "{count} objects found, {doubtful} doubtful. Enter accepts {chosen} · {key:objects}, click: select · "
+            "{key:reject}: reject all"
+        )
+    elif one:
+        sentence = tr("1 object found{likely}. Enter accepts it · {key:objects}, click: correct · {key:reject}: reject")
+    else:
+        sentence = tr("{count} objects found. Enter accepts all · {key:objects}, click: select · {key:reject}: reject")
+    proposals = {each.key: each for each in workspace.object_selection.proposals}
+    likely = format_confidence(proposals[accepted[0].key[1]].selection)
+    numbers = {"count": len(offered), "chosen": len(accepted), "doubtful": doubtful}
+    return insert_keys(sentence, **numbers, likely=likely and f", {likely}")
