@@ -299,6 +299,7 @@ def hand(film: Film) -> None:
     film.stand.open("hand.png")
     film.hold(0.8)
     film.run(60)
+    wait(lambda: bool(film.window.workspace.object_selection.proposals))
     film.hold(0.6)
     film.key(Qt.Key.Key_X, "X")
     film.settle()
