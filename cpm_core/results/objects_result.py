@@ -23,9 +23,6 @@ from cpm_core.parameters.formatting import quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
 
-_NO_OBJECTS = SegmentedObjects()
-"""The default: no object yet, and classes without names."""
-
 
 def objects_result(
     selections: Sequence[Selection | VolumeSelection],
@@ -80,23 +77,19 @@ def objects_result(
         raise ValueError("no image is known for the objects: name it, or select objects of an image.")
     if not all(isinstance(one, VolumeSelection if image.ndim == 3 else Selection) for one in selections):
         raise ValueError(f"{image.source} has {image.ndim} axes: give objects that were selected in such an image.")
-    return _build_objects_result(selections, image, names or [""] * len(selections), channel, _NO_OBJECTS)
+    titles = enumerate(names or [""] * len(selections), start=1)
+    labels = [Label(number, object_label(number, name), category=class_label(1)) for number, name in titles]
+    return _build_objects_result(selections, labels, image, channel)
 
 
 def _build_objects_result(
     selections: Sequence[Selection | VolumeSelection],
+    labels: Sequence[Label],
     image: Image,
-    names: Sequence[str],
     channel: str,
-    known: SegmentedObjects,
 ) -> Result:
-    """Build the result of `objects_result`, whose objects are of the class that the next of the `known` ones gets."""
-    own = known.classes[known.category - 1]
-    category, color = class_label(known.category, own.name), own.color
-    parts: list[tuple[Label, Any]] = [
-        (Label(number, object_label(number, name, own.name), color, category), one)
-        for number, (one, name) in enumerate(zip(selections, names, strict=True), start=1)
-    ]
+    """Build the result of `objects_result`, with the label of each object."""
+    parts: list[tuple[Label, Any]] = list(zip(labels, selections, strict=True))
     if image.ndim == 3:
         found: dict[str, Any] = {"surface": _join_bodies(parts, image)}
     else:
@@ -147,14 +140,21 @@ def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bri
 def replace_by_objects(
     result: Result,
     selections: Sequence[Selection | VolumeSelection],
-    known: SegmentedObjects = _NO_OBJECTS,
+    known: SegmentedObjects | None = None,
 ) -> Result:
     """Replace what a run found by objects selected from it; the provenance is that of the run, with the objects.
 
-    They are of the class that the next of the `known` objects gets.
+    They are of the class that the next of the `known` objects gets, by default of one without a color.
     """
-    names = [""] * len(selections)
-    found = _build_objects_result(selections, require_image(result), names, result.channel, known)
+    name, color, category = "", "", 1
+    if known is not None:
+        category = known.category
+        name, color = known.classes[category - 1].name, known.classes[category - 1].color
+    labels = [
+        Label(number, object_label(number, class_name=name), color, class_label(category, name))
+        for number in range(1, len(selections) + 1)
+    ]
+    found = _build_objects_result(selections, labels, require_image(result), result.channel)
     drawn = (*result.provenance.shapes, *found.provenance.shapes)
     return replace(found, provenance=replace(result.provenance, method="objects", shapes=drawn))
 
