@@ -440,3 +440,47 @@ def test_slices_in_a_fan_are_no_volume_and_the_sentence_says_why(tmp_path):
     with pytest.raises(ValueError, match="Its 12 images have 12 different sizes, directions or series"):
         load_volume(tmp_path)
     assert load_image(tmp_path).shape == VALUES.shape[1:]
+
+
+@pytest.mark.parametrize("jitter", [0.0, 2e-5, 2e-4])
+def test_slices_of_which_each_rounds_its_direction_otherwise_are_one_volume(tmp_path, jitter):
+    rng = np.random.default_rng(3)
+    for number, height in enumerate(HEIGHTS):
+        turn = 0.0005 + rng.uniform(-jitter, jitter)  # at a limit of any number of decimals
+        along = ((1.0, 0.0, 0.0), (0.0, np.cos(turn), np.sin(turn)))
+        spacing = (0.75 + rng.uniform(-jitter, jitter) / 10, 0.5)
+        write_slice(tmp_path / f"{number}.dcm", VALUES[3], np.add(ORIGIN, (0, 0, height)), along, spacing, number)
+    volume = load_volume(tmp_path)
+    assert (volume.shape[0], volume.notes) == (len(HEIGHTS), ())
+
+
+@pytest.mark.parametrize(
+    ("entries", "in_time"),
+    [
+        ({"FrameTime": 40.0}, True),
+        ({"FrameIncrementPointer": 0x00181063, "FrameTime": 40.0}, True),
+        ({"FrameIncrementPointer": 0x00181065, "FrameTimeVector": [40.0] * 10}, True),
+        ({"FrameIncrementPointer": 0x00540070, "TimeSlotVector": list(range(1, 11))}, True),
+        ({"FrameIncrementPointer": 0x00540080, "SliceVector": list(range(1, 11))}, False),
+        ({"FrameIncrementPointer": 0x00540080, "SliceVector": list(range(1, 11)), "FrameTime": 40.0}, False),
+        ({"FrameIncrementPointer": 0x00540090, "AngularViewVector": list(range(1, 11))}, False),
+        ({}, False),
+    ],
+)
+def test_frames_are_points_in_time_only_where_the_file_says_so(tmp_path, entries, in_time):
+    nowhere = {"ImagePositionPatient": None, "ImageOrientationPatient": None}
+    write_slice(tmp_path / "a.dcm", VALUES, NumberOfFrames=len(VALUES), **nowhere, **entries)
+    stack = open_stack(tmp_path / "a.dcm")
+    assert (stack.shape[0], stack.times) == ((1, 10) if in_time else (10, 1))
+    volume = load_volume(tmp_path / "a.dcm")
+    assert np.array_equal(volume.values, VALUES)
+    assert any("time" in note for note in volume.notes) == in_time
+
+
+@pytest.mark.parametrize(("ratio", "spacing"), [([2, 1], (2.0, 1.0)), ([3, 4], (0.75, 1.0)), ([0, 1], (1.0, 1.0))])
+def test_without_a_size_a_pixel_has_the_ratio_of_its_sides(tmp_path, ratio, spacing):
+    write_slice(tmp_path / "a.dcm", VALUES[3], PixelSpacing=None, PixelAspectRatio=ratio)
+    image = load_image(tmp_path / "a.dcm")
+    assert (image.spacing, image.unit) == (spacing, None)
+    write_slice(tmp_path / "b.dcm", VALUES[3], PixelAspectRatio=ratio)
+    assert load_image(tmp_path / "b.dcm").spacing == (0.75, 0.5)
