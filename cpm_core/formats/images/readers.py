@@ -222,7 +222,7 @@ def load_pages(
     axes: tuple[tuple[str, PageAxis, int], ...] = (
         ("page", "z", stack.shape[0]),
         ("time", "t", stack.times if time is None else 1),
-        ("channel", "c", stack.channels if channel is None else 1),
+        ("channel", "c", stack.channels if channel is None and not stack.has_colors else 1),
     )
     name, axis, count = next((one for one in axes if one[2] > 1), axes[0])
 
