@@ -250,6 +250,11 @@ def decode_header_line(line: bytes) -> str:
         return line.decode("latin-1")
 
 
+def find_values_of_pair(header: Path) -> Path:
+    """Find the values of a pair of NIfTI or Analyze, .img next to .hdr; UnreadableError if there are none."""
+    return find_data_file(header, header.stem + (".IMG" if header.suffix.isupper() else ".img"))
+
+
 def find_data_file(header: Path, named: str) -> Path:
     """Find the data file that a header names; UnreadableError unless it is a single file in the same folder."""
     place = Path(named)

@@ -7,6 +7,7 @@ from pydicom.uid import JPEG2000Lossless, RLELossless
 
 from cpm_core import load_image, load_volume
 from cpm_core.formats import open_stack
+from cpm_core.formats.images import dicom
 from cpm_core.formats.images.dicom import can_read
 
 from .made import ACROSS, OBLIQUE, SHAPE, VALUES, dataset, write_series, write_slice
@@ -484,3 +485,40 @@ def test_without_a_size_a_pixel_has_the_ratio_of_its_sides(tmp_path, ratio, spac
     assert (image.spacing, image.unit) == (spacing, None)
     write_slice(tmp_path / "b.dcm", VALUES[3], PixelAspectRatio=ratio)
     assert load_image(tmp_path / "b.dcm").spacing == (0.75, 0.5)
+
+
+@pytest.fixture
+def disc(tmp_path):
+    """A CD with two series of a patient three folders below, and its directory."""
+    for number, (folder, count) in enumerate((("SE0", 20), ("SE1", 12))):
+        place = tmp_path / "cd" / "DICOM" / "PAT0" / "ST0" / folder
+        place.parent.mkdir(parents=True, exist_ok=True)
+        write_series(
+            place, HEIGHTS[:count], SeriesInstanceUID=f"1.2.{number + 1}", SeriesDescription=f"series {number}"
+        )
+    (tmp_path / "cd" / "AUTORUN.INF").write_text("[autorun]")
+    (tmp_path / "cd" / "DICOM" / "._SE0").write_bytes(b"\0\5\x16\7" + bytes(600))
+    directory = dataset(VALUES[0], Rows=None, Columns=None, PixelData=None, FileSetID="DISC")
+    directory.SOPClassUID = directory.file_meta.MediaStorageSOPClassUID = pydicom.uid.MediaStorageDirectoryStorage
+    directory.save_as(tmp_path / "cd" / "DICOMDIR", enforce_file_format=True)
+    return tmp_path / "cd"
+
+
+@pytest.mark.parametrize("name", ["", "DICOMDIR", "DICOM", "DICOM/PAT0"])
+def test_series_in_the_folders_below_are_those_of_a_folder(disc, name):
+    stack = open_stack(disc / name)
+    assert (stack.series, stack.shape[0]) == (("series 0", "series 1"), 20)
+    volume = load_volume(disc / name, series="series 1")
+    assert np.array_equal(volume.values, load_volume(disc / "DICOM" / "PAT0" / "ST0" / "SE1").values)
+    assert load_volume(disc / name).notes == ('Of its 2 series that with the most images was taken, 1 ("series 0").',)
+
+
+def test_a_series_in_a_folder_is_not_mixed_with_those_below(disc):
+    write_series(disc, HEIGHTS[:10], SeriesInstanceUID="1.2.9")
+    assert (open_stack(disc).shape[0], len(open_stack(disc).series)) == (10, 1)
+
+
+def test_a_folder_with_too_many_files_below_is_not_searched(disc, monkeypatch):
+    monkeypatch.setattr(dicom, "_MAX_FILES_BELOW", 5)
+    with pytest.raises(ValueError, match="cd has more than 5 files in the folders below it: choose one of these"):
+        load_volume(disc)
