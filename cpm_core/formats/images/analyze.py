@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -35,11 +36,9 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
     UnreadableError
         When the file has more axes, or the one with its values is missing.
     """
-    import nibabel  # only here, because it takes long to import
-
     name = make_printable(path.name)
     find_values_of_pair(path)
-    volume = nibabel.load(path)
+    volume = _open_volume(path)
     sizes = [int(size) for size in volume.shape]
     if len(sizes) < 2 or min(sizes) < 1:
         raise ValueError("there are too few axes")
@@ -53,10 +52,10 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
 
     def read_planes(time: int, _channel: int, first: int, end: int) -> DecodedImage:
         at = (slice(None), slice(None), slice(first, end), time)
-        part = np.array(nibabel.load(path).dataobj[at[: len(sizes)]]).reshape(columns, rows, end - first).T
+        part = np.array(_open_volume(path).dataobj[at[: len(sizes)]]).reshape(columns, rows, end - first).T
         if part.dtype.fields is None:
             return DecodedImage(part)
-        return decode_bands(np.stack([part[band] for band in part.dtype.names or ()], axis=-1))
+        return decode_bands(np.stack([part[band] for band in part.dtype.names], axis=-1))
 
     return Stack(
         name,
@@ -69,3 +68,10 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
         known,
         notes=("Its format, Analyze 7.5, does not say where it lies, nor which side is left.",),
     )
+
+
+def _open_volume(path: Path) -> Any:
+    """Open a volume, reading only its header; nibabel tells the variants of the format from each other."""
+    import nibabel  # only here, because it takes long to import
+
+    return nibabel.load(path)

@@ -335,7 +335,7 @@ def _parse_calibration(hyperstack: Mapping[str, object], page: tifffile.TiffPage
     if code not in _POLYNOMIALS or page.photometric == _PHOTOMETRIC_WHITE_IS_ZERO:
         return (), ("Its description calibrates gray levels by a curve, which was not applied.",)
     try:
-        curve = tuple(float(hyperstack[f"c{power}"]) for power in range(_POLYNOMIALS[code] + 1))  # type: ignore[arg-type, index]
+        curve = tuple(float(hyperstack[f"c{power}"]) for power in range(_POLYNOMIALS[code] + 1))  # type: ignore[arg-type]
     except (KeyError, TypeError, ValueError):
         return (), ()
     return (curve, ("Gray levels were calibrated as its description says.",)) if curve != (0.0, 1.0) else ((), ())

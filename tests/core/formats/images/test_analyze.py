@@ -51,7 +51,7 @@ def test_times_of_analyze_are_read_one_by_one(tmp_path):
 def test_a_header_whose_values_are_missing_is_not_called_damaged(tmp_path, kind):
     write(tmp_path / "a.hdr", kind)
     (tmp_path / "a.img").unlink()
-    with pytest.raises(ValueError, match='keeps its values in "a.img", which is not a single file next to it'):
+    with pytest.raises(ValueError, match=r'keeps its values in "a\.img", which is not a single file next to it'):
         load_volume(tmp_path / "a.hdr")
 
 
