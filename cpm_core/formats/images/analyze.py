@@ -18,14 +18,14 @@ from cpm_core.parameters.formatting import quote_value
 
 FILE_KINDS = {".hdr": "NIfTI or Analyze 7.5 volume of two files"}
 
-_HEADER_SIZE = 348
+_ANALYZE_HEADER_SIZE = 348
 """Size of a header, which is also its first entry [bytes]."""
 
 
 def can_read(head: bytes, path: Path) -> bool:
     """Return whether a file is a header of Analyze; that of NIfTI begins alike and is tried first."""
     sizes = (int.from_bytes(head[:4], "little"), int.from_bytes(head[:4], "big"))
-    return path.suffix.lower() == ".hdr" and len(head) >= _HEADER_SIZE and _HEADER_SIZE in sizes
+    return path.suffix.lower() == ".hdr" and len(head) >= _ANALYZE_HEADER_SIZE and _ANALYZE_HEADER_SIZE in sizes
 
 
 def open_image_file(path: Path, _reading: Reading) -> Stack:
@@ -52,7 +52,7 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
 
     def read_planes(time: int, _channel: int, first: int, end: int) -> DecodedImage:
         at = (slice(None), slice(None), slice(first, end), time)
-        part = np.array(_open_volume(path).dataobj[at[: len(sizes)]]).reshape(columns, rows, end - first).T
+        part: Any = np.array(_open_volume(path).dataobj[at[: len(sizes)]]).reshape(columns, rows, end - first).T
         if part.dtype.fields is None:
             return DecodedImage(part)
         return decode_bands(np.stack([part[band] for band in part.dtype.names], axis=-1))
