@@ -522,3 +522,23 @@ def test_a_folder_with_too_many_files_below_is_not_searched(disc, monkeypatch):
     monkeypatch.setattr(dicom, "_MAX_FILES_BELOW", 5)
     with pytest.raises(ValueError, match="cd has more than 5 files in the folders below it: choose one of these"):
         load_volume(disc)
+
+
+@pytest.mark.parametrize("step", [3.0, -3.0])
+@pytest.mark.parametrize("vector", [range(1, 11), range(10, 0, -1)], ids=["up", "down"])
+def test_the_place_of_slices_of_nuclear_medicine_is_that_of_the_detector(tmp_path, step, vector):
+    detector = pydicom.Dataset()
+    detector.ImagePositionPatient, detector.ImageOrientationPatient = [-76, -70, 100], [1, 0, 0, 0, 1, 0]
+    found = dataset(VALUES, ImagePositionPatient=None, ImageOrientationPatient=None, SpacingBetweenSlices=step)
+    found.NumberOfFrames, found.FrameIncrementPointer, found.SliceVector = len(VALUES), 0x00540080, list(vector)
+    found.DetectorInformationSequence = [detector]
+    found.save_as(tmp_path / "a.dcm", enforce_file_format=True)
+    volume = load_volume(tmp_path / "a.dcm")
+    if vector[0] > 1:  # against the standard, so that it is not known which slice lies there
+        assert volume.geometry is None
+        return
+    first = 0 if step > 0 else -1  # planes lie in the order of their normal
+    assert np.array_equal(volume.values[first], VALUES[0])
+    assert volume.spacing == (3.0, 0.75, 0.5)
+    assert volume.geometry.origin == (-76, -70, 100 if step > 0 else 100 + 9 * step)
+    assert volume.geometry.letters == ("S", "P", "L")
