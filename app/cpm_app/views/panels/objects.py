@@ -44,7 +44,7 @@ from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_swatch, fill_colors
-from cpm_app.views.widgets.containers import create_wrapped_label, fill_layout
+from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import Image
 from cpm_core.numerics.types import Integers, Sides
@@ -170,9 +170,11 @@ class ObjectTable(ItemTable):
         return [row for row in self._object_list.rows if not self._kinds or row.kind in self._kinds]
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Set the class by a digit."""
+        """Set the class by a digit; leave Enter to the canvas while it accepts something."""
         digit = event.key() - Qt.Key.Key_0
-        if 1 <= digit <= len(self._object_list.objects.classes):
+        if event.key() in ENTER_KEYS and self._commands.can_accept:
+            event.ignore()
+        elif 1 <= digit <= len(self._object_list.objects.classes):
             self._commands.classify_selected(digit)
         else:
             super().keyPressEvent(event)

@@ -15,7 +15,6 @@ from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.features.selector import find_proposals
 from cpm_app.session.scene import Proposal
 from cpm_app.session.storage.session_file import DocumentFile
-from cpm_app.views.widgets.fields import DecimalField
 from PySide6.QtCore import Qt
 
 from cpm_core import Partition, partition
@@ -259,19 +258,6 @@ def test_what_waits_is_dropped_with_the_image(window, hand, objects, monkeypatch
     hand.wait(lambda: objects.idle and window.session.idle)
     assert taken(window) == ()
     assert not objects.selecting
-
-
-def test_one_enter_too_many_after_a_typed_value_accepts_nothing(window, hand, objects) -> None:
-    click(hand, 18, 18)
-    hand.key(KEY.Key_C)
-    field = next(each for each in window.findChildren(DecimalField) if each.isVisible())
-    field.setFocus()
-    hand.qtbot.keyClick(field, KEY.Key_Return)
-    assert hand.canvas.hasFocus()
-    hand.key(KEY.Key_Return)
-    assert not taken(window)
-    hand.key(KEY.Key_Return)
-    assert len(taken(window)) == 1
 
 
 def test_undo_takes_one_click_back_and_redo_repeats_it(window, hand, objects) -> None:
