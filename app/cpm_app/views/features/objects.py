@@ -30,10 +30,6 @@ from cpm_app.views.window.window import Feature, MainWindow
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.polyline import as_line
 
-_SELECTION_TOOLS = ("objects", "select", "mend")
-"""Tools with which keys act on the selection."""
-
-
 class ObjectsFeature(Feature):
     """Actions on objects and proposals by menu and keys, and their panel."""
 
@@ -161,7 +157,7 @@ class ObjectsFeature(Feature):
         tool = self.window.canvas_area.canvas.dispatcher.tool
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
-        key, selecting = event.key(), tool.name in _SELECTION_TOOLS
+        key, selecting = event.key(), tool.panel == "objects"
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._object_list.objects.classes):
             self._selection.do_in_order(partial(self._commands.classify_selected, key - Qt.Key.Key_0))
         elif selecting and key in DELETE_KEYS and self._object_list.selected_rows and not tool.has_draft:

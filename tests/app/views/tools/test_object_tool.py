@@ -571,6 +571,7 @@ def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window,
     run_everywhere(hand)
     everywhere = next(each for each in objects.proposals if each.selection.contains(np.array([[row, col]]))[0])
     hand.key(KEY.Key_X)
+    assert window.canvas_area.messages.text == "Rejected proposals: 2. Ctrl+Z brings them back."
     hand.wait(lambda: objects.idle and not objects.proposals)
     click(hand, row, col)
     np.testing.assert_array_equal(offered(objects), everywhere.selection.mask)
