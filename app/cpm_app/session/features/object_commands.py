@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Sequence
 from functools import partial, reduce
 from typing import Literal, TypeVar
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject
 
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
@@ -35,9 +35,6 @@ Made = TypeVar("Made")
 
 class ObjectCommands(QObject):
     """Accepts, rejects and edits the selected objects and proposals, and accepts contours of the run as objects."""
-
-    class_begun = Signal(int)
-    """A class without a name is used next to another one for the first time."""
 
     def __init__(self, session: Session, contour_selection: ContourSelection, object_list: ObjectList) -> None:
         super().__init__(session)
@@ -132,7 +129,8 @@ class ObjectCommands(QObject):
         words = tr("class of {what}") if rows else tr("class of the next objects")
         self._accept_rows(words, rows, lambda document, numbers: objects.classify_objects(document, numbers, category))
         if rows and category not in used and used - {category} and not known.classes[category - 1].name:
-            self.class_begun.emit(category)
+            words = tr("Class {number} is new; the tab Objects has a field for its name.", number=category)
+            self._session.messages.show(words, category=EDITING_CATEGORY)
 
     def name_class(self, category: int, name: str, color: str = "") -> None:
         """Name a class, and change its color unless that is empty."""

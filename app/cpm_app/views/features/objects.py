@@ -70,7 +70,6 @@ class ObjectsFeature(Feature):
             menu.aboutToHide.connect(menu.deleteLater)
             menu.popup(QCursor.pos())
 
-        commands.class_begun.connect(self.ask_for_name)
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals, or the selected contours, as objects; Enter does the same.",
@@ -147,10 +146,10 @@ class ObjectsFeature(Feature):
         if keys:
             self._object_list.select_items((keys[(at + 1) % len(keys)],))
 
-    def ask_for_name(self, category: int = 0) -> None:
-        """Ask for the name of the selected row, or of a class."""
+    def ask_for_name(self) -> None:
+        """Ask for the name of the selected row."""
         self.window.docks.reveal_panel("objects")
-        self.panel.ask_for_name(category)
+        self.panel.ask_for_name()
 
     def handle_key(self, event: QKeyEvent) -> bool:
         """Handle the keys that act on the selection on the canvas; return whether the key was one of them."""

@@ -375,19 +375,18 @@ class ObjectPanel(QWidget):
         nothing = insert_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
         self.summary.setText(", ".join(parts) or nothing)
 
-    def ask_for_name(self, category: int) -> None:
-        """Ask for the name of a class, or of the selected row for 0.
+    def ask_for_name(self) -> None:
+        """Ask for the name of the selected row.
 
-        The name is edited in the table if several rows are selected or the table has the focus.
+        It is edited in the table if several rows are selected or the table has the focus.
         """
         self.show_selected()
-        field = self.classes[category].name if category else self.name
-        if not category and (self._shown_row is None or self.table.hasFocus()):
+        if self._shown_row is None or self.table.hasFocus():
             for index in self.table.selectionModel().selectedRows()[:1]:
                 self.table.edit_name(index.row())
         else:
-            field.setFocus()
-            field.selectAll()
+            self.name.setFocus()
+            self.name.selectAll()
 
     def showEvent(self, event: QShowEvent) -> None:
         """Create the buttons when the actions exist, and show what changed while the panel was hidden."""

@@ -260,6 +260,17 @@ def test_what_waits_is_dropped_with_the_image(window, hand, objects, monkeypatch
     assert not objects.selecting
 
 
+def test_the_first_use_of_a_class_leaves_the_keyboard_with_the_canvas(window, hand, objects) -> None:
+    for center in (SMALL[0], LARGE[0]):
+        click(hand, *center)
+        take(hand)
+    hand.key(KEY.Key_2)
+    hand.key(KEY.Key_J)
+    assert [item.category for item in taken(window)] == [1, 2]
+    assert window.session.document.objects.classes[1].name == ""
+    assert hand.canvas.dispatcher.tool.name == "mend"
+
+
 def test_undo_takes_one_click_back_and_redo_repeats_it(window, hand, objects) -> None:
     click(hand, 18, 18)
     one = offered(objects)
