@@ -16,7 +16,6 @@ from cpm_app.model.text.assets import read_guide_page
 
 from cpm_core.formats import CONTOURS_WRITABLE
 from cpm_core.formats.writers import VOLUMES_WRITABLE
-from cpm_core.methods import CONTOUR_METHODS, Settings
 from cpm_core.parameters import PARAMETERS
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.shapes import SHAPES_BY_NAME
@@ -57,13 +56,6 @@ def in_tables() -> Iterator[tuple[str, str]]:
     for name, info in PARAMETERS.items():
         for said in (info.title, info.meaning, info.effect_of_larger, info.equation, info.unit):
             yield said, f"parameter {name}"
-    for name, method in CONTOUR_METHODS.items():
-        yield method.title, f"method {name}"
-        yield method.about, f"method {name}"
-        own = method.settings.describe_parameters() if issubclass(method.settings, Settings) else {}
-        for field, info in own.items():
-            for said in (info.title, info.meaning, info.effect_of_larger, info.equation, info.unit):
-                yield said, f"method {name}, {field}"
     for name, choice in CHOICE_PARAMETERS.items():
         for said in (choice.title, choice.meaning, *choice.choices.values()):
             yield said, f"parameter {name}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import cast
 
@@ -30,16 +30,14 @@ from cpm_core.image.colors import LUMINANCE_CHOICE
 from cpm_core.image.image import Image
 from cpm_core.methods import (
     CONTOUR_METHODS,
-    MethodComparison,
     RunReport,
-    Settings,
     Start,
     build_method_result,
     report_run,
     run_method,
 )
 from cpm_core.numerics.types import JsonDict, Texts
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import PRESETS
 from cpm_core.parameters.formatting import format_count, quote_value
 from cpm_core.results.result import Result
 from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
@@ -77,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: those of the session, or all)",
+        help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: all)",
     )
     others = (
         f"{name}: {', '.join(_list_setting_names(name))}" for name in CONTOUR_METHODS if name not in _PARTICLE_METHODS
@@ -108,20 +106,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run_comparison(arguments: argparse.Namespace) -> int:
     """Run the methods; every check that needs no image comes first."""
     session = load_named_session(arguments)
-    compared = MethodComparison(()) if session.comparison == MethodComparison() else session.comparison
-    named = arguments.methods or [name for name in compared.methods if name]
-    for name in named:
+    for name in arguments.methods:
         if name not in CONTOUR_METHODS:
             raise ValueError(f"{quote_value(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
-    names = list(dict.fromkeys(named or CONTOUR_METHODS))
-    settings = _parse_settings(arguments, names, session, compared)
+    names = list(dict.fromkeys(arguments.methods or CONTOUR_METHODS))
+    settings = _parse_settings(arguments, names, session)
     drawn = _collect_start_shapes(arguments, session)
     for path in arguments.export:
         check_comparison(path, names)
     targets = [file for path in arguments.export for file in list_comparison_files(Path(path), names)]
     check_targets(targets, arguments)
     image = _load_gray_image(arguments, session, targets)
-    start = _build_start(image, drawn, arguments, session)
+    start = _build_start(image, drawn, arguments)
     truth = cast("Truth | None", load_named_truth(arguments.truth, image))
     ensure_compiled()
     scores = ("Dice", "F", "Hausd. [px]", "mean [px]") if truth else ()
@@ -175,10 +171,8 @@ def _load_gray_image(arguments: argparse.Namespace, session: SessionFile, target
     return image
 
 
-def _parse_settings(
-    arguments: argparse.Namespace, methods: Sequence[str], session: SessionFile, compared: MethodComparison
-) -> JsonDict:
-    """Return the settings of each method: those of the comparison of a session, changed as the arguments ask.
+def _parse_settings(arguments: argparse.Namespace, methods: Sequence[str], session: SessionFile) -> JsonDict:
+    """Return the settings of each method, changed as the arguments ask; particles have those of the session.
 
     Raises
     ------
@@ -187,7 +181,8 @@ def _parse_settings(
     """
     ours = PRESETS[arguments.preset] if arguments.preset else session.parameters if arguments.session else None
     found: JsonDict = {
-        name: ours if ours is not None and name in _PARTICLE_METHODS else compared.settings_of(name) for name in methods
+        name: ours if ours is not None and name in _PARTICLE_METHODS else CONTOUR_METHODS[name].defaults
+        for name in methods
     }
     changes: dict[str, JsonDict] = {}
     for text in arguments.set:
@@ -212,8 +207,7 @@ def _parse_settings(
 
 def _list_setting_names(method: str) -> Texts:
     """Return the names of the settings of a method."""
-    kind = CONTOUR_METHODS[method].settings
-    return tuple(kind.describe_parameters()) if issubclass(kind, Settings) else tuple(Parameters.__dataclass_fields__)
+    return tuple(setting.name for setting in fields(CONTOUR_METHODS[method].settings))
 
 
 def _collect_start_shapes(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
@@ -234,7 +228,7 @@ def _collect_start_shapes(arguments: argparse.Namespace, session: SessionFile) -
     return drawn
 
 
-def _build_start(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespace, session: SessionFile) -> Start:
+def _build_start(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespace) -> Start:
     """Return the start: lines that are drawn, and those of the files of ``--start``."""
     found = list(drawn_outlines(drawn))
     for path in arguments.start:
@@ -247,7 +241,7 @@ def _build_start(image: Image, drawn: Sequence[Shape], arguments: argparse.Names
             )
         _report_open_starts(name, shapes)
         found += closed
-    return Start(tuple(found), around=arguments.around or session.comparison.around)
+    return Start(tuple(found), around=arguments.around)
 
 
 def _report_open_starts(where: str, shapes: Sequence[Shape]) -> None:

@@ -7,7 +7,6 @@ sets in `level_sets`, and the methods of scikit-image in `regions`.
 from cpm_core.methods.comparison import (
     CONTOUR_METHODS,
     METHODS,
-    MethodComparison,
     MethodStep,
     RunReport,
     build_method_result,
@@ -24,7 +23,6 @@ __all__ = [
     "AnyMethod",
     "ContourMethod",
     "ContourState",
-    "MethodComparison",
     "MethodStep",
     "RunReport",
     "Settings",

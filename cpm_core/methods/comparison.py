@@ -1,4 +1,4 @@
-"""All methods by name, a choice of them with settings, whole runs, and the report on a run."""
+"""All methods by name, whole runs, and the report on a run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image, as_image
 from cpm_core.methods.level_sets import GEODESIC, GEOMETRIC_GVF
-from cpm_core.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
+from cpm_core.methods.method import AnyMethod, ContourMethod, ContourState, Start
 from cpm_core.methods.particles import PARTICLE_METHOD, PROPOSED_OBJECT
 from cpm_core.methods.regions import (
     CHAN_VESE,
@@ -29,7 +29,7 @@ from cpm_core.methods.regions import (
 )
 from cpm_core.methods.snakes import GVF_SNAKE, SNAKE
 from cpm_core.numerics.real_numbers import check_finite_number
-from cpm_core.numerics.types import Texts, frozen, record
+from cpm_core.numerics.types import frozen, record
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
@@ -99,39 +99,6 @@ def register_method(method: NewMethod) -> NewMethod:
     else:
         register_run_method(method)
     return method
-
-
-DEFAULT_METHODS = ("cpm", "gvf", "geodesic", "chan_vese")
-"""Names of the methods that are compared by default."""
-
-
-@frozen
-class MethodComparison:
-    """A comparison of methods, which a session keeps; its start is what is drawn.
-
-    Attributes
-    ----------
-    methods : tuple of str
-        Names of the methods.
-    settings : tuple of (str, Settings)
-        The settings of methods that are not their defaults. Those of the particles have the parameters of the run.
-    around : bool
-        Whether the start lies around the objects.
-    """
-
-    methods: Texts = DEFAULT_METHODS
-    settings: tuple[tuple[str, Settings], ...] = ()
-    around: bool = False
-
-    def settings_of(self, method: str) -> Any:
-        """Return the settings of a method by name: those that were selected, or its defaults."""
-        return dict(self.settings).get(method) or CONTOUR_METHODS[method].defaults
-
-    def with_settings(self, method: str, settings: Settings) -> MethodComparison:
-        """Return the comparison in which a method has these settings."""
-        others = {name: one for name, one in self.settings if name != method}
-        changed = others if settings == CONTOUR_METHODS[method].defaults else {**others, method: settings}
-        return replace(self, settings=tuple(changed.items()))
 
 
 @record

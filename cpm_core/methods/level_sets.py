@@ -29,12 +29,11 @@ from cpm_core.methods.method import (
     Settings,
     Start,
     declare_setting,
-    declare_smoothing,
     iterate_until_at_rest,
     signed_region_distance,
     unit_edges,
 )
-from cpm_core.methods.snakes import declare_field_smoothness, even_out_field, gradient_vector_flow
+from cpm_core.methods.snakes import even_out_field, gradient_vector_flow
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Mask, frozen
 
@@ -178,34 +177,36 @@ def reinitialize_distance(phi: Array) -> Array:
 
 @frozen
 class GeodesicSettings(Settings):
-    """Parameters of the geodesic active contour."""
+    """Parameters of the geodesic active contour.
 
-    balloon: float = declare_setting(
-        0.3, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
-        "Larger values drive the contour on faster, and over edges.",
-        (-20.0, 20.0), (-2.0, 2.0), 0.1, equation="w₀ of eq. (2)",
-    )  # fmt: skip
-    curvature: float = declare_setting(
-        0.2, "w₁", "Smoothness", "Weight of the curvature, which shortens the contour.",
-        "Larger values keep the contour out of gaps, bays and noise.",
-        (0.0, 20.0), (0.0, 2.0), 0.05, equation="w₁ of eq. (2)",
-    )  # fmt: skip
-    pull: float = declare_setting(
-        1.0, "w₂", "Pull to edges", "Weight of the pull back to edges that the contour has begun to cross.",
-        "Larger values hold the contour on edges against the balloon; at 0 they only slow it down.",
-        (0.0, 100.0), (0.0, 20.0), 0.5,
-    )  # fmt: skip
-    exponent: float = declare_setting(
-        1.0, "m", "Exponent", "Exponent of the factor by which edges slow the contour down.",
-        "Larger values also stop the contour at weak edges and at noise; smaller ones let it cross them.",
-        (0.1, 20.0), (0.5, 8.0), 0.5, equation="m of eq. (2)",
-    )  # fmt: skip
-    contrast: float = declare_setting(
-        0.05, "k", "Edge contrast", "Edge strength that counts as an edge, as a fraction of the largest.",
-        "Larger values let the contour cross weak edges.",
-        (1e-4, 10.0), (0.01, 1.0), 0.01,
-    )  # fmt: skip
-    smoothing: float = declare_smoothing(1.5)
+    Attributes
+    ----------
+    balloon : float
+        Constant pressure that drives it on: outwards, or inwards from around the object (w₀ of eq. (2)). Larger values
+        drive the contour on faster, and over edges.
+    curvature : float
+        Weight of the curvature, which shortens the contour (w₁ of eq. (2)). Larger values keep the contour out of gaps,
+        bays and noise.
+    pull : float
+        Weight of the pull back to edges that the contour has begun to cross. Larger values hold the contour on edges
+        against the balloon; at 0 they only slow it down.
+    exponent : float
+        Exponent of the factor by which edges slow the contour down (m of eq. (2)). Larger values also stop the contour
+        at weak edges and at noise; smaller ones let it cross them.
+    contrast : float
+        Edge strength that counts as an edge, as a fraction of the largest. Larger values let the contour cross weak
+        edges.
+    smoothing : float
+        Width of the Gaussian that smooths the image before its edges are found [px]. Larger values remove noise and
+        round corners.
+    """
+
+    balloon: float = declare_setting(0.3, -20.0, 20.0)
+    curvature: float = declare_setting(0.2, 0.0, 20.0)
+    pull: float = declare_setting(1.0, 0.0, 100.0)
+    exponent: float = declare_setting(1.0, 0.1, 20.0)
+    contrast: float = declare_setting(0.05, 1e-4, 10.0)
+    smoothing: float = declare_setting(1.5, 0.0, 50.0)
 
 
 def compute_stopping_factor(image: Image, settings: GeodesicSettings) -> Array:
@@ -236,26 +237,32 @@ GEODESIC = ContourMethod(
 
 @frozen
 class GeometricGvfSettings(Settings):
-    """Parameters of the geometric GVF contour."""
+    """Parameters of the geometric GVF contour.
 
-    mu: float = declare_field_smoothness()
-    curvature: float = declare_setting(
-        0.02, "w", "Smoothness", "Weight of the curvature, which shortens the contour.",
-        "Larger values keep the contour out of gaps, bays and noise.",
-        (0.0, 20.0), (0.0, 2.0), 0.05, equation="w of eq. (3)",
-    )  # fmt: skip
-    pressure: float = declare_setting(
-        0.5, "w₀", "Pressure", "Constant pressure that drives it on: outwards, or inwards from around the object.",
-        "Larger values drive the contour over places where the field does not, and into gaps.",
-        (-20.0, 20.0), (-1.0, 1.0), 0.05,
-    )  # fmt: skip
-    evenness: float = declare_setting(
-        0.5, "e", "Evenness", "How far the vectors of the field are made equally long: from 0, as the equation gives "
-        "them, to 1, all of the length 1.",
-        "Larger values move the contour also far from edges, and hold it better against the pressure in gaps.",
-        (0.0, 1.0), (0.0, 1.0), 0.1,
-    )  # fmt: skip
-    smoothing: float = declare_smoothing(2.0)
+    Attributes
+    ----------
+    mu : float
+        How much the field is smoothed, against how closely it follows edges (gradient vector flow). Larger values carry
+        the edges farther and even out noise.
+    curvature : float
+        Weight of the curvature, which shortens the contour (w of eq. (3)). Larger values keep the contour out of gaps,
+        bays and noise.
+    pressure : float
+        Constant pressure that drives it on: outwards, or inwards from around the object. Larger values drive the
+        contour over places where the field does not, and into gaps.
+    evenness : float
+        How far the vectors of the field are made equally long: from 0, as the equation gives them, to 1, all of the
+        length 1. Larger values move the contour also far from edges, and hold it better against the pressure in gaps.
+    smoothing : float
+        Width of the Gaussian that smooths the image before its edges are found [px]. Larger values remove noise and
+        round corners.
+    """
+
+    mu: float = declare_setting(0.02, 1e-4, 100.0)
+    curvature: float = declare_setting(0.02, 0.0, 20.0)
+    pressure: float = declare_setting(0.5, -20.0, 20.0)
+    evenness: float = declare_setting(0.5, 0.0, 1.0)
+    smoothing: float = declare_setting(2.0, 0.0, 50.0)
 
 
 def evolve_geometric_gvf(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[ContourState]:

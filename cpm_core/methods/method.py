@@ -1,13 +1,13 @@
 """The interface of methods that are compared: the start, settings, the states of a run, a description.
 
 A method is a function that takes image, start and settings and gives the states of a run, one after the other. It is
-described by a `ContourMethod`, which is all that the command line, the benchmark and the window know of it.
+described by a `ContourMethod`, which is all that the command line and the benchmark know of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import field, fields, replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import field, fields
 from functools import cached_property, partial
 from typing import Any, Generic, TypeVar
 
@@ -23,7 +23,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resample_path
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Arrays, Extent, Mask, frozen, record
-from cpm_core.parameters import ParameterInfo, Parameters
+from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 
 START_SPACING = 2.0
@@ -114,25 +114,10 @@ class Start:
 
 Contours = tuple[Contour, ...]
 
-Span = tuple[float, float]
-"""Lowest and highest value."""
 
-
-def declare_setting(
-    default: float,
-    symbol: str,
-    title: str,
-    meaning: str,
-    more: str,
-    limits: Span,
-    slider: Span,
-    step: float,
-    unit: str = "",
-    equation: str = "",
-) -> Any:
-    """Declare a field of `Settings`: its default value and its `ParameterInfo`; a whole default allows whole values."""
-    info = ParameterInfo("", symbol, unit, *limits, *slider, step, title, meaning, more, "run", equation)
-    return field(default=default, metadata={"info": info})
+def declare_setting(default: float, low: float, high: float) -> Any:
+    """Declare a field of `Settings` by its default value and its range; a whole default allows whole values."""
+    return field(default=default, metadata={"range": (low, high)})
 
 
 @frozen
@@ -146,28 +131,13 @@ class Settings:
     """
 
     def __post_init__(self) -> None:
-        for name, info in self.describe_parameters().items():
-            value = getattr(self, name)
-            whole = isinstance(getattr(type(self), name), int)
+        for setting in fields(self):
+            value, (low, high) = getattr(self, setting.name), setting.metadata["range"]
+            whole = isinstance(setting.default, int)
             real = isinstance(value, int | float) and not isinstance(value, bool)
-            if not (real and info.low <= value <= info.high and (not whole or value == int(value))):
+            if not (real and low <= value <= high and (not whole or value == int(value))):
                 kind = "a whole number" if whole else "a number"
-                raise ValueError(
-                    f"{name} is {quote_value(value)} but must be {kind} from {info.low:g} to {info.high:g}."
-                )
-
-    @classmethod
-    def describe_parameters(cls) -> Mapping[str, ParameterInfo]:
-        """Return the description of each parameter, by name."""
-        return {one.name: replace(one.metadata["info"], name=one.name) for one in fields(cls)}
-
-
-def declare_smoothing(default: float) -> Any:
-    """Declare the smoothing setting that most methods share."""
-    return declare_setting(
-        default, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
-        "Larger values remove noise and round corners.", (0.0, 50.0), (0.5, 10.0), 0.5, "px",
-    )  # fmt: skip
+                raise ValueError(f"{setting.name} is {quote_value(value)} but must be {kind} from {low:g} to {high:g}.")
 
 
 def unit_gray(image: Image) -> Array:

@@ -19,7 +19,6 @@ from cpm_core.methods.method import (
     Start,
     build_region_state,
     declare_setting,
-    declare_smoothing,
     iterate_until_at_rest,
     signed_region_distance,
     unit_gray,
@@ -29,25 +28,24 @@ from cpm_core.numerics.types import Array, Extent, frozen
 _MAX_CHAN_VESE_STEPS = 500
 
 
-def _declare_likeness(default: float, symbol: str, where: str) -> Any:
-    """Declare a weight of Chan-Vese."""
-    return declare_setting(
-        default, symbol, f"Likeness {where}", f"Weight of the differences of gray levels from their mean {where}.",
-        f"Larger values make the {where} more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
-    )  # fmt: skip
-
-
 @frozen
 class ChanVeseSettings(Settings):
-    """Parameters of Chan-Vese, as scikit-image's ``chan_vese`` has them."""
+    """Parameters of Chan-Vese, as scikit-image's ``chan_vese`` has them.
 
-    mu: float = declare_setting(
-        0.25, "μ", "Smoothness", "Weight of the length of the boundary.",
-        "Larger values give a shorter and rounder boundary and leave out small regions.",
-        (0.0, 100.0), (0.0, 1.0), 0.01,
-    )  # fmt: skip
-    lambda1: float = _declare_likeness(1.0, "λ₁", "inside")
-    lambda2: float = _declare_likeness(1.0, "λ₂", "outside")
+    Attributes
+    ----------
+    mu : float
+        Weight of the length of the boundary. Larger values give a shorter and rounder boundary and leave out small
+        regions.
+    lambda1 : float
+        Weight of the differences of gray levels from their mean inside. Larger values make the inside more uniform.
+    lambda2 : float
+        Weight of the differences of gray levels from their mean outside. Larger values make the outside more uniform.
+    """
+
+    mu: float = declare_setting(0.25, 0.0, 100.0)
+    lambda1: float = declare_setting(1.0, 0.0, 100.0)
+    lambda2: float = declare_setting(1.0, 0.0, 100.0)
 
 
 def evolve_chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[ContourState]:
@@ -91,40 +89,50 @@ Calls of an even number of steps, one at a time, begin with the same operator ea
 """
 
 
-def _declare_smoothness(default: int) -> Any:
-    return declare_setting(
-        default, "μ", "Smoothness", "How often the contour is smoothed in a step.",
-        "Larger values give a rounder contour.", (0, 20), (0, 4), 1,
-    )  # fmt: skip
-
-
 @frozen
 class MorphologicalGacSettings(Settings):
-    """Parameters of the morphological geodesic active contour, as scikit-image has them."""
+    """Parameters of the morphological geodesic active contour, as scikit-image has them.
 
-    balloon: float = declare_setting(
-        1.0, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
-        "Larger values let the contour cross stronger edges.", (-20.0, 20.0), (-2.0, 2.0), 0.1,
-    )  # fmt: skip
-    smoothing: int = _declare_smoothness(0)
-    threshold: float = declare_setting(
-        0.6, "θ", "Threshold", "Value of the stopping factor under which the balloon stops.",
-        "Larger values stop the contour at weaker edges.", (0.0, 1.0), (0.1, 1.0), 0.02,
-    )  # fmt: skip
-    steepness: float = declare_setting(
-        100.0, "α", "Steepness", "How steeply the stopping factor falls with the edge strength.",
-        "Larger values make weak edges count.", (0.0, 1e5), (10.0, 2000.0), 10.0,
-    )  # fmt: skip
-    sigma: float = declare_smoothing(3.0)
+    Attributes
+    ----------
+    balloon : float
+        Constant pressure that drives it on: outwards, or inwards from around the object. Larger values let the contour
+        cross stronger edges.
+    smoothing : int
+        How often the contour is smoothed in a step. Larger values give a rounder contour.
+    threshold : float
+        Value of the stopping factor under which the balloon stops. Larger values stop the contour at weaker edges.
+    steepness : float
+        How steeply the stopping factor falls with the edge strength. Larger values make weak edges count.
+    sigma : float
+        Width of the Gaussian that smooths the image before its edges are found [px]. Larger values remove noise and
+        round corners.
+    """
+
+    balloon: float = declare_setting(1.0, -20.0, 20.0)
+    smoothing: int = declare_setting(0, 0, 20)
+    threshold: float = declare_setting(0.6, 0.0, 1.0)
+    steepness: float = declare_setting(100.0, 0.0, 1e5)
+    sigma: float = declare_setting(3.0, 0.0, 50.0)
 
 
 @frozen
 class MorphologicalChanVeseSettings(Settings):
-    """Parameters of morphological Chan-Vese, as scikit-image has them."""
+    """Parameters of morphological Chan-Vese, as scikit-image has them.
 
-    smoothing: int = _declare_smoothness(1)
-    lambda1: float = _declare_likeness(0.7, "λ₁", "inside")
-    lambda2: float = _declare_likeness(1.0, "λ₂", "outside")
+    Attributes
+    ----------
+    smoothing : int
+        How often the contour is smoothed in a step. Larger values give a rounder contour.
+    lambda1 : float
+        Weight of the differences of gray levels from their mean inside. Larger values make the inside more uniform.
+    lambda2 : float
+        Weight of the differences of gray levels from their mean outside. Larger values make the outside more uniform.
+    """
+
+    smoothing: int = declare_setting(1, 0, 20)
+    lambda1: float = declare_setting(0.7, 0.0, 100.0)
+    lambda2: float = declare_setting(1.0, 0.0, 100.0)
 
 
 def _evolve_morphological(image: Image, start: Start, advance: Callable[[Bits, Any], object]) -> Iterator[ContourState]:
@@ -210,22 +218,23 @@ _PROBABILITY_TOLERANCE = 1.0
 
 @frozen
 class RandomWalkerSettings(Settings):
-    """Parameters of the random walker."""
+    """Parameters of the random walker.
 
-    beta: float = declare_setting(
-        2000.0, "β", "Edges", "How hard it is for a walk to cross a difference of gray levels.",
-        "Larger values follow weaker edges, and noise.", (0.0, 1e6), (10.0, 5000.0), 10.0,
-    )  # fmt: skip
-    depth: float = declare_setting(
-        0.8, "d", "Depth of the seeds",
-        "From a start around the object: the depth from which pixels are its seeds, as a fraction of the greatest.",
-        "Larger values leave seeds only in the middle.", (0.0, 0.99), (0.0, 0.95), 0.05,
-    )  # fmt: skip
-    margin: float = declare_setting(
-        0.0, "b", "Background",
-        "Distance from a start inside the object from which pixels are seeds of the background; at 0 at the border.",
-        "Larger values leave more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
-    )  # fmt: skip
+    Attributes
+    ----------
+    beta : float
+        How hard it is for a walk to cross a difference of gray levels. Larger values follow weaker edges, and noise.
+    depth : float
+        From a start around the object: the depth from which pixels are its seeds, as a fraction of the greatest. Larger
+        values leave seeds only in the middle.
+    margin : float
+        Distance from a start inside the object from which pixels are seeds of the background; at 0 at the border [px].
+        Larger values leave more room around the start.
+    """
+
+    beta: float = declare_setting(2000.0, 0.0, 1e6)
+    depth: float = declare_setting(0.8, 0.0, 0.99)
+    margin: float = declare_setting(0.0, 0.0, 1e5)
 
 
 def label_seeds(start: Start, shape: Extent, settings: RandomWalkerSettings) -> NDArray[np.int32]:

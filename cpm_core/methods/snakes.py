@@ -9,7 +9,6 @@ gradient vector flow (Xu and Prince 1998) is the gradient of the edge map, exten
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import numpy as np
 import scipy
@@ -24,7 +23,6 @@ from cpm_core.methods.method import (
     Settings,
     Start,
     declare_setting,
-    declare_smoothing,
     unit_edges,
     unit_gray,
 )
@@ -198,24 +196,28 @@ def _even_out_points(curve: Array) -> Array:
 
 @frozen
 class SnakeSettings(Settings):
-    """Parameters of the classical snake."""
+    """Parameters of the classical snake.
 
-    alpha: float = declare_setting(
-        0.015, "α", "Tension", "Weight of the tension, which shortens the curve.",
-        "Larger values shrink the curve faster, and also where there is no edge.",
-        (0.0, 10.0), (0.0, 0.2), 0.005, equation="eq. (1)",
-    )  # fmt: skip
-    beta: float = declare_setting(
-        0.1, "β", "Rigidity", "Weight of the rigidity, which keeps the curve from bending.",
-        "Larger values round corners and keep the curve out of narrow bays.",
-        (0.0, 1000.0), (0.0, 10.0), 0.05, equation="eq. (1)",
-    )  # fmt: skip
-    attraction: float = declare_setting(
-        1.0, "w", "Attraction", "Weight of the force of the image, which pulls the curve to edges.",
-        "Larger values pull harder, so that tension and rigidity count for less.",
-        (0.0, 100.0), (0.0, 5.0), 0.1, equation="eq. (1)",
-    )  # fmt: skip
-    smoothing: float = declare_smoothing(2.0)
+    Attributes
+    ----------
+    alpha : float
+        Weight of the tension, which shortens the curve (eq. (1)). Larger values shrink the curve faster, and also where
+        there is no edge.
+    beta : float
+        Weight of the rigidity, which keeps the curve from bending (eq. (1)). Larger values round corners and keep the
+        curve out of narrow bays.
+    attraction : float
+        Weight of the force of the image, which pulls the curve to edges (eq. (1)). Larger values pull harder, so that
+        tension and rigidity count for less.
+    smoothing : float
+        Width of the Gaussian that smooths the image before its edges are found [px]. Larger values remove noise and
+        round corners.
+    """
+
+    alpha: float = declare_setting(0.015, 0.0, 10.0)
+    beta: float = declare_setting(0.1, 0.0, 1000.0)
+    attraction: float = declare_setting(1.0, 0.0, 100.0)
+    smoothing: float = declare_setting(2.0, 0.0, 50.0)
 
 
 _SNAKE_RESISTANCE = 0.01
@@ -256,34 +258,32 @@ SNAKE = ContourMethod(
 )
 
 
-def declare_field_smoothness() -> Any:
-    """Declare the setting of both methods that move in the field of gradient vector flow."""
-    return declare_setting(
-        0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
-        "Larger values carry the edges farther and even out noise.",
-        (1e-4, 100.0), (0.01, 1.0), 0.01, equation="gradient vector flow",
-    )  # fmt: skip
-
-
 @frozen
 class GvfSnakeSettings(Settings):
-    """Parameters of the GVF snake."""
+    """Parameters of the GVF snake.
 
-    mu: float = declare_field_smoothness()
-    alpha: float = declare_setting(
-        0.0, "α", "Tension", "Weight of the tension, which shortens the curve.",
-        "Larger values keep the curve out of bays.", (0.0, 10.0), (0.0, 1.0), 0.01, equation="eq. (1)",
-    )  # fmt: skip
-    beta: float = declare_setting(
-        0.0, "β", "Rigidity", "Weight of the rigidity, which keeps the curve from bending.",
-        "Larger values round corners.", (0.0, 1000.0), (0.0, 5.0), 0.05, equation="eq. (1)",
-    )  # fmt: skip
-    attraction: float = declare_setting(
-        0.6, "κ", "Attraction", "Weight of the field, whose vectors all have the length 1.",
-        "Larger values move the curve faster, and overcome tension and rigidity.",
-        (0.0, 100.0), (0.0, 3.0), 0.05,
-    )  # fmt: skip
-    smoothing: float = declare_smoothing(1.0)
+    Attributes
+    ----------
+    mu : float
+        How much the field is smoothed, against how closely it follows edges (gradient vector flow). Larger values carry
+        the edges farther and even out noise.
+    alpha : float
+        Weight of the tension, which shortens the curve (eq. (1)). Larger values keep the curve out of bays.
+    beta : float
+        Weight of the rigidity, which keeps the curve from bending (eq. (1)). Larger values round corners.
+    attraction : float
+        Weight of the field, whose vectors all have the length 1. Larger values move the curve faster, and overcome
+        tension and rigidity.
+    smoothing : float
+        Width of the Gaussian that smooths the image before its edges are found [px]. Larger values remove noise and
+        round corners.
+    """
+
+    mu: float = declare_setting(0.02, 1e-4, 100.0)
+    alpha: float = declare_setting(0.0, 0.0, 10.0)
+    beta: float = declare_setting(0.0, 0.0, 1000.0)
+    attraction: float = declare_setting(0.6, 0.0, 100.0)
+    smoothing: float = declare_setting(1.0, 0.0, 50.0)
 
 
 def evolve_gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[ContourState]:

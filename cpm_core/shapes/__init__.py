@@ -23,7 +23,6 @@ from cpm_core.shapes.lines import Points as Points
 from cpm_core.shapes.lines import Polygon as Polygon
 from cpm_core.shapes.lines import Region as Region
 from cpm_core.shapes.lines import Stroke as Stroke
-from cpm_core.shapes.outlines import drawn_outlines as drawn_outlines
 from cpm_core.shapes.outlines import start_from_surface as start_from_surface
 from cpm_core.shapes.outlines import starts_from_centerlines as starts_from_centerlines
 from cpm_core.shapes.outlines import starts_from_contours as starts_from_contours

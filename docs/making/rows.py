@@ -75,7 +75,7 @@ ROWS = (
         "tests/app/views/tools/test_mend_tool.py::test_a_boundary_is_pulled_onto_the_edge_in_one_step_of_undo"),
     Row("Results are compared with a truth", "Ctrl+D, `compare`",
         "tests/app/views/panels/test_truth.py::test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry"),
-    Row("Other methods can be tried on the same image", "Ctrl+D, `cpm compare`",
+    Row("Other methods can be tried on the same image", "`cpm compare`",
         f"{_CLI}/test_cli_compare.py::test_methods_are_told_in_the_order_in_which_they_are_named_with_a_table"),
     Row("Volumes: surfaces, slices, a view in space", "a volume is opened like an image, `--sphere`",
         f"{_CLI}/test_cli_volume.py::test_every_start_leads_to_the_surface"),

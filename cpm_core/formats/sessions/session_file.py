@@ -31,7 +31,6 @@ from cpm_core.formats.common.provenance import PROGRAM_NAME
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT_READING, Reading
 from cpm_core.medial_axis.outlines import SkeletonTarget
-from cpm_core.methods import CONTOUR_METHODS, MethodComparison, Settings
 from cpm_core.numerics.types import Callback, Integers, JsonDict, JsonObject, Texts, frozen
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
@@ -131,8 +130,6 @@ class SessionFile:
         The ground truth that contours are compared with.
     pages : mapping
         The other pages of a stack, as JSON of the window; no effect on a run.
-    comparison : MethodComparison
-        The methods that are compared.
     """
 
     image: ImageFile | None = None
@@ -147,7 +144,6 @@ class SessionFile:
     runs: JsonObject = field(default_factory=dict)
     truth: TruthFile | None = None
     pages: JsonObject = field(default_factory=dict)
-    comparison: MethodComparison = field(default_factory=MethodComparison)
 
 
 _KNOWN_ENTRIES = {SESSION_MARK, "program", *(one.name for one in fields(SessionFile))} - {"extra", "notes"}
@@ -190,12 +186,6 @@ def encode_session(session: SessionFile, folder: Path) -> bytes:
         plain["image"] = {**to_json(session.image), **_place_to_json(session.image.path, folder), "reading": read}
     plain["shapes"] = [shape_to_json(shape) for shape in session.shapes]
     plain["parameters"] = to_json(session.parameters)
-    if session.comparison != MethodComparison():
-        plain["comparison"] = {
-            "methods": list(session.comparison.methods),
-            "settings": {name: to_json(chosen) for name, chosen in session.comparison.settings},
-            "around": session.comparison.around,
-        }
     plain["mode"] = session.mode
     plain |= {"objects": to_json(session.objects), "outlined": to_json(session.outlined), "view": dict(session.view)}
     if session.truth is not None:
@@ -265,27 +255,10 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             runs=read_optional("runs", "recorded runs were", partial(expect_mapping, where="runs"), {}),
             truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile, where="truth"), None),
             pages=read_optional("pages", "other pages of the stack were", partial(expect_mapping, where="pages"), {}),
-            comparison=read_optional("comparison", "comparison of methods was", _parse_comparison, MethodComparison()),
             notes=tuple(notes),
         )
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
-
-
-def _parse_comparison(plain: object) -> MethodComparison:
-    """Parse the comparison of methods; ValueError for unknown methods and settings."""
-    given = expect_mapping(plain, "comparison")
-    methods = [expect_text(name, "methods of comparison") for name in expect_list(given.get("methods", []), "methods")]
-    chosen = {}
-    for name, values in expect_mapping(given.get("settings", {}), "settings of comparison").items():
-        kind = CONTOUR_METHODS[name].settings if name in CONTOUR_METHODS else None
-        if kind is None or not issubclass(kind, Settings):
-            raise ValueError(f"its settings of {quote_value(name)} are not known here.")
-        chosen[name] = from_json(kind, values, f"settings of {name}")
-    if unknown := set(methods) - set(CONTOUR_METHODS) - {""}:
-        raise ValueError(f"its method {quote_value(min(unknown))} is not known here.")
-    settings = tuple((name, one) for name, one in chosen.items() if one != type(one)())
-    return MethodComparison(tuple(filter(None, methods)), settings, given.get("around") is True)
 
 
 def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback = lambda: None) -> tuple[Path, Texts]:

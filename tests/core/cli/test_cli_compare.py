@@ -10,9 +10,9 @@ import PIL.Image
 import pytest
 import tifffile
 
-from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.methods import CONTOUR_METHODS, MethodComparison
-from cpm_core.methods.level_sets import GeodesicSettings
+from cpm_core.formats.sessions.session_file import SessionFile, save_session
+from cpm_core.methods import CONTOUR_METHODS
+from cpm_core.parameters import Parameters
 from cpm_core.shapes import Ellipse
 
 ROW, COL = np.indices((56, 60))
@@ -77,17 +77,13 @@ def test_a_start_around_the_object_is_one_when_it_is_said_so(image, mask, told):
     assert max(outwards) < 0.1 and min(inwards) > 0.9
 
 
-def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, told, tmp_path):
-    compared = MethodComparison(("morph_gac", "geodesic"), around=True).with_settings(
-        "geodesic", GeodesicSettings(balloon=0.4)
-    )
-    shapes = (Ellipse((27.0, 30.0), (22.0, 22.0)),)
+def test_a_session_gives_the_start_and_the_parameters_of_the_particles(image, told, tmp_path):
+    shapes, parameters = (Ellipse((27.0, 30.0), (9.0, 9.0)),), Parameters(beta=0.4)
     session, file = tmp_path / "a.cpm", tmp_path / "a.json"
-    save_session(SessionFile(image=None, shapes=shapes, comparison=compared), session)
-    assert load_session(session).comparison == compared
-    run = ("compare", image, "--session", session, "--max-steps", 2, "--export", file)
-    facts = told(*run)
-    assert facts["around"] and [row["method"] for row in facts["methods"]] == ["morph_gac", "geodesic"]
-    found = json.loads((tmp_path / "a.geodesic.json").read_text(encoding="utf-8"))
-    assert found["provenance"]["parameters"]["balloon"] == 0.4
-    assert [row["method"] for row in told(*run, "--methods", "geodesic")["methods"]] == ["geodesic"]
+    save_session(SessionFile(image=None, shapes=shapes, parameters=parameters), session)
+    run = ("compare", image, "--session", session, "--max-steps", 2, "--export", file, "--methods", "cpm", "geodesic")
+    facts = told(*run, "--set", "geodesic.balloon=0.4")
+    assert not facts["around"] and [row["contours"] for row in facts["methods"]] == [1, 1]
+    for name, setting in (("cpm", "beta"), ("geodesic", "balloon")):
+        found = json.loads((tmp_path / f"a.{name}.json").read_text(encoding="utf-8"))
+        assert found["provenance"]["parameters"][setting] == 0.4

@@ -8,10 +8,8 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from cpm_app.model.display.comparison import TrialAxis, plan_parameter_trials
 from cpm_app.model.document import edits
 from cpm_app.model.export import ExportFile, ExportOrder
-from cpm_app.model.parameters.controls import build_controls
 from cpm_app.views.export.frames import AnimationPlan
 from cpm_app.views.features.animation import AnimationFeature
 from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
@@ -39,12 +37,6 @@ def open_next(window: MainWindow, folder: Path) -> None:
 
 def prepare_partition(window: MainWindow, folder: Path) -> None:
     press(window, TOOLS[0].name)
-
-
-def run_values(window: MainWindow, folder: Path) -> None:
-    document, axes = window.session.document, {control.name: control for control in build_controls()}
-    rows, columns = TrialAxis(axes["beta"], (0.5, 1.0)), TrialAxis(axes["w2"], (1.0, 2.0))
-    window.workspace.comparison.start_trials(plan_parameter_trials(document.parameters, (rows, columns)))
 
 
 def write_film(window: MainWindow, folder: Path) -> None:
@@ -85,7 +77,7 @@ def compare_two_results(window: MainWindow, folder: Path) -> None:
 
 
 TASKS: Sequence[Callable[[MainWindow, Path], None]] = (
-    open_next, prepare_partition, run_values, write_film, export, save, write_journal, run, find_skeleton,
+    open_next, prepare_partition, write_film, export, save, write_journal, run, find_skeleton,
     compare_with_truth, compare_two_results,
 )  # fmt: skip
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from cpm_app.model.text.language import localize_number, tr
 from cpm_core.image import KNOWN_UNITS, ScaleBar, fit_scale_bar
 from cpm_core.numerics.types import Sides, frozen
@@ -109,8 +107,3 @@ def format_scientific(value: float) -> str:
     """Format a very small or very large number, such as 3.1·10⁻⁴."""
     digits, _, exponent = f"{value:.1e}".partition("e")
     return f"{digits}·10{str(int(exponent)).translate(_SUPERSCRIPT_DIGITS)}"
-
-
-def format_short_number(value: float) -> str:
-    """Format a number with three digits, written out, so that it can also be typed."""
-    return str(np.format_float_positional(float(f"{value:.3g}"), trim="-"))

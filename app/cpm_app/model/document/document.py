@@ -16,7 +16,6 @@ from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import SkeletonTarget
-from cpm_core.methods import MethodComparison
 from cpm_core.numerics.types import Array, Extent, Line, Sides, frozen
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import limit_scales
@@ -38,12 +37,12 @@ from cpm_core.shapes import (
 Mode = Literal["shape", "automatic", "skeleton", "published"]
 """Purpose of a run; see `cpm_app.model.document.modes`."""
 
-NOTHING_TO_START_FROM = tr(
+_NOTHING_TO_START_FROM = tr(
     "There is nothing to start from: draw a circle, a stroke or points on the image first, or start everywhere."
 )
 """Error of a run without a start on an image."""
 
-NOTHING_TO_START_FROM_IN_VOLUME = tr(
+_NOTHING_TO_START_FROM_IN_VOLUME = tr(
     "There is nothing to start from: draw a sphere, a box, a stroke or points in a slice of the volume first."
 )
 """Error of a run without a start in a volume."""
@@ -104,8 +103,6 @@ class Document:
         The objects that have been selected, and the selection that is being made.
     outlined : SkeletonTarget
         Objects and contours whose skeleton is wanted in the mode of skeletons; if empty, that of the image.
-    comparison : MethodComparison
-        The methods that are compared with the particles.
     """
 
     image: ImageReference | None = None
@@ -114,7 +111,6 @@ class Document:
     mode: Mode = "shape"
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     outlined: SkeletonTarget = field(default_factory=SkeletonTarget)
-    comparison: MethodComparison = field(default_factory=MethodComparison)
 
     @property
     def starts(self) -> tuple[Start, ...]:
@@ -181,7 +177,7 @@ class Document:
     @property
     def nothing_to_start_from(self) -> str:
         """Error of a run without a start."""
-        return NOTHING_TO_START_FROM_IN_VOLUME if self.has_volume else NOTHING_TO_START_FROM
+        return _NOTHING_TO_START_FROM_IN_VOLUME if self.has_volume else _NOTHING_TO_START_FROM
 
     @property
     def charges(self) -> tuple[PlacedCharge, ...]:

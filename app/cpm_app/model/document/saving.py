@@ -18,7 +18,6 @@ _DOCUMENT_PART_NAMES = {
     "shapes": tr("the shapes"),
     "parameters": tr("the parameters"),
     "objects": tr("the objects"),
-    "comparison": tr("settings of the comparison"),
 }
 """Attributes of a document in words."""
 
@@ -39,7 +38,6 @@ def to_session_file(document: Document, view: View, before: SessionFile | None =
         mode=document.mode,
         objects=document.objects,
         outlined=document.outlined,
-        comparison=document.comparison,
         view=view,
         notes=(),
     )
@@ -73,5 +71,4 @@ def from_session_file(file: SessionFile, image: ImageReference, parameters: Para
         cast("Mode", file.mode) if file.mode in MODES else "shape",
         objects=file.objects,
         outlined=file.outlined,
-        comparison=file.comparison,
     )

@@ -5,8 +5,8 @@ The source is written in English, and so is all that the command line writes. A 
 English. The preferences choose the language; by default it is that of the environment (``LANGUAGE``, ``LC_ALL``,
 ``LC_MESSAGES``, ``LANG``), or of the system where the environment names none.
 
-Sentences of the window pass through `tr` as literals. `cpm_core` knows no language: its names of parameters,
-methods, shapes and formats are in the catalogs, as are the sentences of
+Sentences of the window pass through `tr` as literals. `cpm_core` knows no language: its names of parameters, shapes
+and formats are in the catalogs, as are the sentences of
 ``assets/languages/core_sentences.txt``; `translate_core_text` does. Other errors and notes of the core, which hold
 numbers and names, are shown in English.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
@@ -11,21 +10,19 @@ from pathlib import Path
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from cpm_app.model.display.comparison import Trial, set_control_values
 from cpm_app.model.display.differences import (
     Difference,
     SurfaceDifference,
     find_boundary_differences,
     find_surface_differences,
 )
-from cpm_app.model.document.document import NOTHING_TO_START_FROM, Document
+from cpm_app.model.document.document import Document
 from cpm_app.model.document.imported import add_objects, objects_from_contours, objects_from_surface
 from cpm_app.model.document.objects import build_objects_result
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import CommandFailed
+from cpm_app.session.exchange.messages import CommandFailed, Reconstruction
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
-from cpm_app.session.features.trials import run_trials, scene_from_result, start_for_methods
 from cpm_app.session.scene import Scene
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import BackgroundTask
@@ -48,6 +45,7 @@ from cpm_core.formats import TruthFile
 from cpm_core.formats.contours import mask
 from cpm_core.numerics.types import JsonDict, record
 from cpm_core.objects.segmented import SegmentedObject
+from cpm_core.results import boundaries_result
 
 CURRENT_KEY = 0
 """Key of the present result, which is always compared."""
@@ -77,11 +75,7 @@ class ComparisonRow:
     scene : Scene
         Scene of the result, without the image.
     state : str
-        Progress of its run, or its error; empty once the result is there.
-    seconds : float or None
-        Time of its run [s].
-    trial : Trial or None
-        Trial that it is the result of, if it was run for the comparison.
+        Progress of the result, or its error; empty once it is there.
     branch : int or None
         Branch of the timeline that it is taken from.
     truth : Truth, VolumeTruth or None
@@ -93,8 +87,6 @@ class ComparisonRow:
     found: Result | None = None
     scene: Scene = field(default_factory=Scene)
     state: str = ""
-    seconds: float | None = None
-    trial: Trial | None = None
     branch: int | None = None
     truth: Truth | VolumeTruth | None = None
 
@@ -117,7 +109,7 @@ class ComparisonRow:
 
 
 class ComparedResults(QObject):
-    """Holds results, runs trials, and compares all results with the reference on a separate thread.
+    """Holds results, and compares all of them with the reference on a separate thread.
 
     The canvas shows the selected result beyond the divider. In a volume the tolerance is in smallest sides of a voxel.
     """
@@ -126,8 +118,6 @@ class ComparedResults(QObject):
     """The rows, their figures or the reference have changed."""
     selection_changed = Signal()
     """Another row is selected, or its scene has changed."""
-    _row_changed = Signal(int, object)
-    """Parts of a row have changed; sent by the thread that runs it."""
 
     def __init__(self, session: Session, navigation: TimelineNavigation) -> None:
         super().__init__(session)
@@ -136,7 +126,6 @@ class ComparedResults(QObject):
         self.agreements: dict[int, TruthComparison] = {}
         """Agreement with the reference by row."""
         self.tolerance, self.holes = DEFAULT_TOLERANCE, True
-        self.task: BackgroundTask | None = None
         self._truth_path: Path | None = None
         self._keys = itertools.count(1)
         self._session, self._navigation = session, navigation
@@ -145,10 +134,8 @@ class ComparedResults(QObject):
         self._quiet = QTimer(self, singleShot=True, interval=_COMPARISON_DELAY)
         self._quiet.timeout.connect(self._request_branch_frame)
         self._quiet.timeout.connect(self._update_current_row)
-        self._row_changed.connect(self._change_row)
         session.store.scene_changed.connect(self._on_scene_changed)
         session.image_changed.connect(self.clear)
-        session.tasks.changed.connect(self._remove_cancelled_rows)
 
     @property
     def in_volume(self) -> bool:
@@ -178,31 +165,6 @@ class ComparedResults(QObject):
             self._add_row(row)
             self._request_branch_frame(row.key)
 
-    def start_trials(self, trials: Sequence[Trial]) -> None:
-        """Run trials without changing the run of the session; raise ValueError if there is no start."""
-        image, document = self._session.image, self._session.document
-        if any(trial.method for trial in trials):
-            start_for_methods(document)
-        elif not document.starts:
-            raise ValueError(NOTHING_TO_START_FROM)
-        if image is None:
-            return
-        self.cancel()
-        planned = {next(self._keys): trial for trial in trials}
-        for key, trial in planned.items():
-            self._add_row(ComparisonRow(key, trial.title, state=tr("waiting"), trial=trial))
-        self.task = self._session.tasks.start_task(
-            tr("Running {count} results to compare…", count=len(trials)),
-            partial(run_trials, image, document, planned, self._row_changed.emit),
-            tr("running results to compare"),
-        )
-
-    def cancel(self) -> None:
-        """Cancel the runs that have not ended."""
-        if self.task is not None:
-            self.task.cancel()
-            self._remove_cancelled_rows()
-
     def remove_row(self, key: int) -> None:
         """Remove a row; the present result stays."""
         if key == CURRENT_KEY or key not in self.rows:
@@ -216,7 +178,6 @@ class ComparedResults(QObject):
 
     def clear(self) -> None:
         """Remove all rows, because another image has been opened."""
-        self.cancel()
         self._latest.drop_waiting()
         self.rows, self._truth_path, self._made = (
             {CURRENT_KEY: ComparisonRow(CURRENT_KEY, tr("Shown now"))},
@@ -245,15 +206,10 @@ class ComparedResults(QObject):
         self.changed.emit()
 
     def use_row(self, key: int) -> None:
-        """Apply a row to the session: its parameters, its branch, or its contours as objects."""
+        """Apply a row to the session: go to its branch, or add its contours as objects."""
         row, image = self.rows[key], self._session.image
-        trial, found = row.trial, row.found
-        if trial is not None and trial.values:
-            self._session.edit(
-                tr("use {values}", values=trial.title),
-                lambda document: replace(document, parameters=set_control_values(document.parameters, trial.values)),
-            )
-        elif row.branch is not None:
+        found = row.found
+        if row.branch is not None:
             self._navigation.go_to(row.branch, self._navigation.last_step(row.branch))
         elif found is not None and image is not None:
             self._session.tasks.start_task(
@@ -347,13 +303,6 @@ class ComparedResults(QObject):
                 self.selection_changed.emit()
             self._compare_rows()
             self.changed.emit()
-
-    def _remove_cancelled_rows(self) -> None:
-        """Remove the rows of runs that have been cancelled."""
-        if self.task is not None and self.task.is_over:
-            cancelled, self.task = self.task.is_cancelled, None
-            for row in [row for row in self.rows.values() if cancelled and row.trial and row.state and not row.found]:
-                self.remove_row(row.key)
 
     def _request_branch_frame(self, key: int | None = None) -> None:
         """Request the frame of a branch of the timeline, by default the selected one, at the current step."""
@@ -455,11 +404,10 @@ def _read_truth(file: Path, image: Image, holes: bool) -> ComparisonRow:
     else:
         truth = load_volume_truth(file, image)
         contours, surface = (), truth.surface
-    found = Result(
-        np.empty((0, image.ndim)), contours, surface, 0, True, "", image.shape, image.spacing, image.unit, file.name
-    )
+    found = boundaries_result(image.shape, file.name, image.spacing, image.unit, contours=contours, surface=surface)
     _ = truth.objects  # cached on this thread, not on the window's
-    return ComparisonRow(CURRENT_KEY, file.name, found, scene_from_result(found), truth=truth)
+    scene = Scene(reconstruction=Reconstruction(0, found))
+    return ComparisonRow(CURRENT_KEY, file.name, found, scene, truth=truth)
 
 
 def _truth_from_row(row: ComparisonRow, holes: bool) -> Truth | VolumeTruth:
@@ -503,8 +451,7 @@ def _find_differences(
 
 
 def _objects_from_row(row: ComparisonRow, found: Result, image: Image) -> tuple[SegmentedObject, ...]:
-    """Make objects of a row; for a trial, everything that its contours enclose is one object with its name."""
-    closed = [contour for contour in found.contours if contour.closed]
+    """Make objects of what a row has found."""
     if found.surface is not None:
         made = objects_from_surface(found.surface, image) if found.surface.closed else ()
     elif isinstance(row.truth, Truth):  # from labels, as touching objects each have a boundary of their own
@@ -516,9 +463,7 @@ def _objects_from_row(row: ComparisonRow, found: Result, image: Image) -> tuple[
             ]
         )
     else:
-        made = objects_from_contours(
-            closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed]
-        )
+        made = objects_from_contours([contour for contour in found.contours if contour.closed])
     if not made:
         raise ValueError(tr("There is no closed contour, so there is no object to add."))
     return made

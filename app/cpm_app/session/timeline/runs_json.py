@@ -36,7 +36,6 @@ from cpm_core import RUN_METHODS, Parameters, PlacedCharge, State
 from cpm_core.field import sort_charges
 from cpm_core.formats import (
     Reading,
-    SessionFile,
     array_from_json,
     array_to_json,
     decode_session,
@@ -153,7 +152,7 @@ def _run_to_json(run: StoredRun) -> JsonDict:
         branches.append(plain)
     document = run.document
     acting = document.objects.barriers or document.outlined.objects  # a run depends on objects only then
-    bare = replace(to_session_file(document, {}), image=None, comparison=SessionFile().comparison)
+    bare = replace(to_session_file(document, {}), image=None)
     return {
         "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
         "document": json.loads(encode_session(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),

@@ -14,8 +14,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QMenu,
-    QPushButton,
-    QStackedWidget,
     QToolButton,
     QVBoxLayout,
     QWidget,
@@ -23,20 +21,16 @@ from PySide6.QtWidgets import (
 
 from cpm_app.model.display.differences import Difference
 from cpm_app.model.display.lengths import PixelSize, preferred_pixel_size
-from cpm_app.model.text.language import explain_error, localize_number, tr
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.features.comparison import CURRENT_KEY, ComparedResults, ComparisonRow
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
 from cpm_app.session.session import Session
-from cpm_app.views.comparison.choices import MethodChoice, ParameterChoice
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel, create_menu_button, create_wide_button
 from cpm_app.views.widgets.actions import add_menu_action
-from cpm_app.views.widgets.containers import FoldableSection, VerticalScrollArea, create_wrapped_label, fill_layout
+from cpm_app.views.widgets.containers import FoldableSection, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import MarkedSlider
 from cpm_core.contours import DEFAULT_TOLERANCE
 from cpm_core.numerics.types import Callback
-
-_MIN_CHOICE_HEIGHT = 120
-"""Smallest height of the choice of methods and of parameters [px]."""
 
 
 def _build_columns(compared: ComparedResults) -> tuple[Column[ComparisonRow], ...]:
@@ -59,8 +53,6 @@ def _build_columns(compared: ComparedResults) -> tuple[Column[ComparisonRow], ..
                agreement_of("hausdorff"), "000.0", 1, number_format=".1f"),
         Column("count", tr("Found"), tr("Number of objects, or of contours if there are none."),
                lambda row: row.count, "000", number_format=".0f"),
-        Column("seconds", tr("Time [s]"), tr("Time of a run that was started for this comparison."),
-               lambda row: row.seconds, "00.0", number_format=".2f"),
         Column("f", tr("F"), tr("Harmonic mean of recall and precision."), agreement_of("f"), "0.000",
                number_format=".3f"),
         Column("recall", tr("Recall"),
@@ -150,11 +142,10 @@ class ComparePanel(QWidget):
         self._load, self._jump = load, jump
         self._last_shown: tuple[tuple[Difference, ...], int] = ((), 0)
         self.table, self.summary = ResultTable(session, compared), create_wrapped_label(dim=True)
-        self.methods, self.values = MethodChoice(session), ParameterChoice(session)
         self.setFocusProxy(self.table)
         self.acts = {
             "use": self._add_result_action(tr("Use this"), lambda: compared.use_row(compared.selected),
-                             tr("Use these parameters, this run, or these contours as objects.")),
+                             tr("Go to this run, or add these contours as objects.")),
             "refer": self._add_result_action(tr("Set as reference"), lambda: compared.set_reference(compared.selected),
                                              tr("Compare all others with this result.")),
             "next": self._add_result_action(tr("Next difference"), self.jump_to_next,
@@ -175,17 +166,9 @@ class ComparePanel(QWidget):
         self.tolerance.moved_to.connect(compared.set_tolerance)
         self.tolerance.moved_to.connect(self._show_comparison)
         self.tolerance.restored.connect(lambda: self.tolerance.move_to(DEFAULT_TOLERANCE))
-        self.pages = QStackedWidget()
-        for page in (
-            self._create_results_page(),
-            self._create_choice_page(self.methods),
-            self._create_choice_page(self.values),
-        ):
-            self.pages.addWidget(page)
-        fill_layout(QVBoxLayout(self), self.pages)
+        self._lay_out_widgets()
         compared.changed.connect(self._show_comparison)
         compared.selection_changed.connect(self._show_comparison)
-        session.image_changed.connect(lambda: self.pages.setCurrentIndex(0))
         self._show_comparison()
 
     def sizeHint(self) -> QSize:
@@ -218,11 +201,11 @@ class ComparePanel(QWidget):
         button.setDefaultAction(self.acts[name])
         return button
 
-    def _create_results_page(self) -> QWidget:
-        page, how = QWidget(), QWidget()
+    def _lay_out_widgets(self) -> None:
+        how = QWidget()
         fill_layout(QVBoxLayout(how), self._tolerance, self.tolerance, self.holes, spacing=6)
         fill_layout(
-            QVBoxLayout(page),
+            QVBoxLayout(self),
             fill_layout(QHBoxLayout(), self.add, self.keep, spacing=6),
             self.table,
             self.summary,
@@ -235,31 +218,9 @@ class ComparePanel(QWidget):
             spacing=7,
             wide=self.table,
         )
-        return page
-
-    def _create_choice_page(self, choice: MethodChoice | ParameterChoice) -> QWidget:
-        """Create a page on which runs are selected."""
-        page, run, back = QWidget(), QPushButton(tr("Run")), QPushButton(tr("Back"))
-        error_label, scrolled = create_wrapped_label(), VerticalScrollArea(choice, _MIN_CHOICE_HEIGHT)
-
-        def start_runs() -> None:
-            error_label.clear()
-            try:
-                self._compared.start_trials(choice.build_trials())
-            except ValueError as error:
-                error_label.setText(explain_error(error))
-            else:
-                self.pages.setCurrentIndex(0)
-
-        run.clicked.connect(start_runs)
-        back.clicked.connect(lambda: self.pages.setCurrentIndex(0))
-        buttons = fill_layout(QHBoxLayout(), None, back, run, spacing=6)
-        fill_layout(QVBoxLayout(page), scrolled, error_label, buttons, margins=(12, 8, 12, 8), spacing=7, wide=scrolled)
-        return page
 
     def _fill_add_menu(self, menu: QMenu) -> None:
         """Fill the menu with what can be added."""
-        add_menu_action(menu, tr("&Keep this result"), self._compared.keep_current)
         here = self._navigation.current_step[0]
         branches = [branch for branch in self._navigation.branches if branch.identity != here]
         if branches:
@@ -267,11 +228,6 @@ class ComparePanel(QWidget):
             for branch in branches:
                 add = partial(self._compared.add_branch, branch.identity)
                 add_menu_action(inner, branch.name.replace("&", "&&"), add)
-        if not self._compared.in_volume:
-            add_menu_action(menu, tr("&Methods…"), partial(self.pages.setCurrentIndex, 1),
-                       tr("Run snakes, level sets and others from the same start."))  # fmt: skip
-            add_menu_action(menu, tr("&Parameter values…"), partial(self.pages.setCurrentIndex, 2),
-                       tr("Run with several values of one or two parameters."))  # fmt: skip
         add_menu_action(
             menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference.")
         )

@@ -24,7 +24,7 @@ _MIN_DIFFERENCE_SPAN = 48.0
 
 
 class CompareFeature(Feature):
-    """Comparison of runs, methods, values of parameters, kept results and a ground truth."""
+    """Comparison of runs, kept results and a ground truth."""
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
@@ -62,7 +62,7 @@ class CompareFeature(Feature):
         self.session.store.scene_changed.connect(self._draw_right_side)
         self.actions = (
             ActionSpec("compare", "Run", "Com&pare…",
-                       "Compare what is shown with other runs, methods, values of parameters or a ground truth.",
+                       "Compare what is shown with other runs or a ground truth.",
                        lambda: window.docks.enter_panel("compare"), "Ctrl+D", gap=True, when=has_image),
             ActionSpec("next_difference", ">" + tr("Compare"), "Show next &difference",
                        "Show the differences from the reference one after the other, the largest first.",

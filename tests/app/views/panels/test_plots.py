@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from cpm_app.model.display.lengths import format_short_number
 from cpm_app.model.display.plots import PLOTS, RunMetrics
 from cpm_app.session.timeline.timeline_nodes import BranchMetrics
 from cpm_app.views.panels.run import Chart
@@ -65,7 +64,3 @@ def test_each_curve_and_each_change_of_scale_is_drawn(panel):
 def columns(metrics: RunMetrics) -> list[tuple[str, np.ndarray]]:
     """Names and columns of metrics."""
     return [(name, getattr(metrics, name)) for name in RunMetrics.__dataclass_fields__]
-
-
-def test_no_number_is_written_with_an_e():
-    assert [format_short_number(value) for value in (12345.0, 0.857143, 1e-4, 0.0)] == ["12300", "0.857", "0.0001", "0"]

@@ -101,7 +101,7 @@ def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     compared, wipe = rested.workspace.comparison, rested.get_feature(CompareFeature).wipe
     menu = rested.panels["compare"].add.menu()
     menu.aboutToShow.emit()
-    (branch,) = menu.actions()[1].menu().actions()
+    (branch,) = menu.actions()[0].menu().actions()
     assert branch.text() == "Run 1"
     branch.trigger()
     row = max(compared.rows)

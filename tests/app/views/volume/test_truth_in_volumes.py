@@ -47,7 +47,7 @@ def compared(volume: MainWindow, hand: Hand, labels_file: Path, monkeypatch: pyt
     hand.key(KEY.Key_D, CONTROL)
     menu = volume.panels["compare"].add.menu()
     menu.aboutToShow.emit()
-    assert [action.text().replace("&", "") for action in menu.actions()] == ["Keep this result", "Ground truth…"]
+    assert [action.text().replace("&", "") for action in menu.actions()] == ["Ground truth…"]
     menu.actions()[-1].trigger()
     hand.wait(lambda: CURRENT_KEY in volume.workspace.comparison.agreements)
     return volume
