@@ -316,7 +316,7 @@ class ImageProject(QObject):
 
     @property
     def _undecided_proposals(self) -> tuple[ItemKey, ...]:
-        """Keys of the proposals; none if only doubtful ones are left next to objects, which the user has passed over."""
+        """Keys of the proposals; none if only doubtful ones are left next to objects: the user has passed over them."""
         rows = [row for row in self._list.rows if row.kind == "proposal"]
         sure = any(row.item.confidence >= MIN_SURE_CONFIDENCE for row in rows)
         return tuple(row.key for row in rows) if sure or not self._session.document.objects.items else ()

@@ -250,9 +250,9 @@ class CanvasArea(QWidget):
             self.crosshair.hide_crosshair()
 
     def _on_proposals_changed(self) -> None:
-        """Hide the cross-hair once a run offers objects, so that Enter accepts them."""
+        """Hide the cross-hair once a run offers objects, so that Enter accepts them, unless it is drawing."""
         had, self._has_offers = self._has_offers, any(each.key for each in self._selection.proposals)
-        if self._has_offers and not had and not self._selection.selecting:
+        if self._has_offers and not had and not self.canvas.dispatcher.is_gesturing:
             self.crosshair.hide_crosshair()
         self.update_hint()
 

@@ -30,6 +30,7 @@ from cpm_app.views.window.window import Feature, MainWindow
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.polyline import as_line
 
+
 class ObjectsFeature(Feature):
     """Actions on objects and proposals by menu and keys, and their panel."""
 

@@ -181,7 +181,6 @@ class Keyboard(QObject):
             self._value_before = read_field_value(widget)
         return False
 
-
     def _on_enter(self, widget: QWidget, event: QKeyEvent) -> None:
         if isinstance(widget, QAbstractButton) and not isinstance(widget, QCheckBox):
             widget.click()

@@ -228,7 +228,8 @@ def test_proposals_that_are_not_accepted_are_not_lost_without_a_sentence(window,
 def test_enter_in_the_list_of_images_accepts_what_is_proposed(window, hand, folder) -> None:
     open_project(window, hand, folder)
     shown = window.get_feature(ProjectFeature).panel.table
-    hand.qtbot.mouseClick(shown.viewport(), Qt.MouseButton.LeftButton, pos=shown.visualRect(shown.rows.index(1, 0)).center())
+    place = shown.visualRect(shown.rows.index(1, 0)).center()
+    hand.qtbot.mouseClick(shown.viewport(), Qt.MouseButton.LeftButton, pos=place)
     wait_for(window, hand, "plate2.npy")
     window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
     window.session.run()

@@ -168,9 +168,7 @@ def test_the_first_enter_after_a_slider_was_dragged_accepts(proposed, hand, beta
     assert len(accepted(proposed)) == 1
 
 
-def test_enter_in_a_field_of_text_keeps_the_text_which_the_line_says_and_the_next_accepts(
-    proposed, hand, beta
-) -> None:
+def test_enter_in_a_field_of_text_keeps_the_text_which_the_line_says_and_the_next_accepts(proposed, hand, beta) -> None:
     focus(hand, beta.number)
     assert "Enter keeps what is typed" in proposed.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
