@@ -225,6 +225,7 @@ def test_the_key_of_a_panel_brings_its_tab_to_the_front_and_the_keyboard_there_a
     assert hand.canvas.hasFocus()
 
 
+@pytest.mark.own_window  # a panel remembers the slider that was used last
 def test_f6_goes_around_the_areas_that_are_seen_both_ways(board, hand) -> None:
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
