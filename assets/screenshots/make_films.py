@@ -1,4 +1,4 @@
-"""Makes the films that README.md and docs/tasks show, from the real window on the samples.
+"""Makes the films that README.md and docs show, from the real window on the samples.
 
     QT_QPA_PLATFORM=offscreen python assets/screenshots/make_films.py [NAME ...]
 
@@ -9,34 +9,45 @@ How long a frame is shown follows from the script and not from how busy the mach
 from __future__ import annotations
 
 import sys
+import tempfile
 from collections.abc import Callable, Mapping
+from functools import partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 from cpm_app.model.document import edits
+from cpm_app.model.document.samples import find_sample_named
 from cpm_app.views.features.exchange import ExportFeature
+from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
+from cpm_app.views.panels.parameters import ParametersPanel
 from make_screenshots import Stand, each_in_a_window, wait
 from PIL import Image as Picture
-from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtCore import QPoint, QPointF, Qt, QTimer
 from PySide6.QtGui import QColor, QFont, QImage, QPainter, QPen, QPolygonF
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractButton, QApplication, QWidget
+from PySide6.QtWidgets import QAbstractButton, QApplication, QFileDialog, QLineEdit, QStyle, QStyleOptionSlider, QWidget
+
+from cpm_core import Parameters
 
 HERE = Path(__file__).parent
 NONE = Qt.KeyboardModifier.NoModifier
 SIZE = (1024, 640)
 """Width and height of the window [px]."""
 
-LONGEST, LARGEST = 13_000, 700_000
+LONGEST, LARGEST = 20_000, 1_500_000
 """Longest film [ms], and its largest file [bytes]."""
 
 _ARROW = QPolygonF([QPointF(*at) for at in ((0, 0), (0, 17), (4, 13), (7, 20), (10, 19), (7, 12), (12, 12))])
 _GLIDE = 5
 """Frames of a move of the pointer."""
 
-_PACE, _EVERY = 4.0, 6
+_PACE, _EVERY = 15.0, 6
 """Steps per second of a run that is filmed, and after how many of them a frame is taken."""
+
+_WATCHED = 60
+"""Steps for which a slider is watched at each value."""
 
 
 class Film:
@@ -57,9 +68,12 @@ class Film:
         picture = self.window.grab().toImage().convertToFormat(QImage.Format.Format_RGB888)
         painter = QPainter(picture)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        menu = QApplication.activePopupWidget()
+        if menu is not None:
+            painter.drawPixmap(self._corner_of(menu), menu.grab())
         dialog = QApplication.activeModalWidget()
         if dialog is not None:
-            corner = self.window.rect().center() - dialog.rect().center()
+            corner = self._corner_of(dialog)
             painter.drawPixmap(corner, dialog.grab())
             painter.setPen(QPen(QColor("#5f6368"), 1.5))
             painter.drawRect(dialog.rect().translated(corner))
@@ -77,6 +91,12 @@ class Film:
         pixels = rows[:, : 3 * picture.width()].reshape(picture.height(), picture.width(), 3)
         self._frames.append(Picture.fromarray(pixels.copy()))
         self._shown.append(milliseconds)
+
+    def _corner_of(self, above: QWidget) -> QPoint:
+        """Return where a window of its own is drawn: a menu where it is, a dialog in the middle."""
+        if above is QApplication.activePopupWidget():
+            return self.window.mapFromGlobal(above.pos())
+        return self.window.rect().center() - above.rect().center()
 
     def _draw_key(self, painter: QPainter) -> None:
         """Draw the name of a key at the bottom of the canvas."""
@@ -97,10 +117,10 @@ class Film:
         self._key = ""
         self.frame(int(1000 * seconds))
 
-    def key(self, key: Qt.Key, named: str, modifier: Qt.KeyboardModifier = NONE) -> None:
-        """Press a key, and show its name."""
+    def key(self, key: Qt.Key, named: str, modifier: Qt.KeyboardModifier = NONE, milliseconds: int = 500) -> None:
+        """Press a key, and show its name for a while before."""
         self._key = named
-        self.frame(500)
+        self.frame(milliseconds)
         self.window.activateWindow()
         QTest.keyClick(self.window.focusWidget() or self.window, key, modifier)
         QApplication.processEvents()
@@ -116,7 +136,7 @@ class Film:
         """Move the pointer over a widget, its middle unless said otherwise; returns the place in it."""
         at = at or widget.rect().center()
         above = widget.window()
-        corner = self.window.rect().center() - above.rect().center()
+        corner = self._corner_of(above)
         start, end = self._pointer, QPointF(widget.mapTo(above, at) + corner)
         self._key = ""
         for part in np.linspace(0.0, 1.0, _GLIDE + 1)[1:]:
@@ -148,6 +168,49 @@ class Film:
         QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=end)
         self._pressed = False
 
+    def click_menu(self, name: str) -> None:
+        """Click an action of the menu File, by its name."""
+        bar, menu, action = self.window.menuBar(), self.window.menus["File"], self.window.actions_by_name[name]
+        self.click(bar, bar.actionGeometry(menu.menuAction()).center())
+        self.click(menu, menu.actionGeometry(action).center())
+
+    def answer(self, name: str) -> None:
+        """Type a name into the file dialog that is about to open, and press Enter."""
+        dialog = QApplication.activeModalWidget()
+        if not isinstance(dialog, QFileDialog):
+            QTimer.singleShot(50, partial(self.answer, name))
+            return
+        field = dialog.findChild(QLineEdit)
+        assert field is not None
+        field.setText(name)
+        self._pressed = False
+        self.frame(900)
+        QTest.keyClick(field, Qt.Key.Key_Return)
+
+    def slide(self, name: str, *values: float) -> None:
+        """Drag the slider of a parameter to one value after another, and watch the particles at each of them."""
+        panel = self.window.findChild(ParametersPanel)
+        assert panel is not None
+        row = panel.rows[name]
+        slider, control, option = row.slider, row.control, QStyleOptionSlider()
+        slider.initStyleOption(option)
+        handle = slider.style().subControlRect(
+            QStyle.ComplexControl.CC_Slider, option, QStyle.SubControl.SC_SliderHandle, slider
+        )
+        room = slider.width() - handle.width()
+        self.point(slider, handle.center())
+        QTest.mousePress(slider, Qt.MouseButton.LeftButton, pos=handle.center())
+        self._pressed = True
+        for value in values:
+            place = QStyle.sliderPositionFromValue(
+                0, slider.maximum(), round((value - control.slider_low) / control.step), room
+            )
+            self.point(slider, QPoint(place + handle.width() // 2, handle.center().y()))
+            self._key = f"{control.title} {slider.exact:.3g}"
+            self.watch(90, _WATCHED)
+        QTest.mouseRelease(slider, Qt.MouseButton.LeftButton)
+        self._pressed = False
+
     def settle(self) -> None:
         """Wait for runs, and for proposals."""
         self.stand.settle()
@@ -159,24 +222,29 @@ class Film:
         return next(button for button in buttons if button.isVisible() and button.text() == text)
 
     def run(self, milliseconds: int) -> None:
-        """Press Space, and take frames of the run until its particles rest; ever fewer, as they move ever less."""
+        """Press Space, and take frames of the run until its particles rest."""
         self.session.set_pace(_PACE)
         self.key(Qt.Key.Key_Space, "Space")
-        status, step = self.session.status, 0
-        while status.phase != "finished":
-            wait(lambda: self.session.status.phase == "finished" or self.session.status.step >= step)  # noqa: B023
-            self.frame(milliseconds)
-            status, step = self.session.status, max(step + _EVERY, int(step * 1.12))
-            if step > 3 * _EVERY:
-                self._key = ""
+        self.watch(milliseconds)
         self.settle()
+
+    def watch(self, milliseconds: int, most: float = np.inf) -> None:
+        """Take frames of a run for so many steps, or until its particles rest; ever fewer, as they move ever less."""
+        first, ran, due = self.session.status.step, 0, 0
+        while ran < most and self.session.status.phase != "finished":
+            wait(lambda: self.session.status.phase == "finished" or self.session.status.step >= first + due)  # noqa: B023
+            self.frame(milliseconds)
+            ran = self.session.status.step - first
+            due = max(due + _EVERY, int(ran * 1.2))
+            if ran > 3 * _EVERY and not self._pressed:
+                self._key = ""
 
     def keep(self, name: str) -> None:
         """Write the film, and check that it is short and small."""
         first, *others = self._frames
         file = HERE / f"{name}.webp"
         times = {"duration": self._shown, "loop": 0}
-        first.save(file, save_all=True, append_images=others, quality=40, method=4, **times)
+        first.save(file, save_all=True, append_images=others, quality=30, method=6, **times)
         assert sum(self._shown) < LONGEST and file.stat().st_size < LARGEST, (name, sum(self._shown), file.stat())
 
 
@@ -222,21 +290,22 @@ def artery(film: Film) -> None:
     dialog.close()
 
 
-PALM = (150.0, 120.0)
-"""A place in the palm of the hand."""
+OUTLINE = ((22.0, 184.0), (216.3, 71.8))
+"""Places on the outline of the hand, on either side of where it is open."""
 
 
 def hand(film: Film) -> None:
-    """Show a circle in the palm that finds the outline up to every fingertip; click the hand, and accept it."""
+    """Show a circle in the palm that finds the outline up to every fingertip, and keep the outline as objects."""
     film.stand.open("hand.png")
     film.hold(0.8)
     film.run(60)
+    wait(lambda: bool(film.window.workspace.object_selection.proposals))
     film.hold(0.6)
     film.key(Qt.Key.Key_X, "X")
     film.settle()
-    film.key(Qt.Key.Key_W, "W")
-    film.click_image(*PALM)
-    film.settle()
+    film.key(Qt.Key.Key_S, "S")
+    film.click_image(*OUTLINE[0])
+    film.click_image(*OUTLINE[1], modifier=Qt.KeyboardModifier.ShiftModifier)
     film.hold(0.8)
     film.key(Qt.Key.Key_Return, "Enter")
     film.settle()
@@ -270,7 +339,94 @@ def head(film: Film) -> None:
     film.hold(1.5)
 
 
-FILMS: Mapping[str, Callable[[Film], None]] = {"nuclei": nuclei, "artery": artery, "hand": hand, "head": head}
+STARTS: Mapping[str, tuple[tuple[float, float], float]] = {
+    "hand.png": ((352.0, 200.0), 4.0),
+    "artery.png": ((55.0, 113.5), 4.0),
+    "cells.png": ((190.0, 130.0), 40.0),
+}
+"""Center and radius [px] of a circle, by sample: in a bone of the wrist, in an artery, and across two cells."""
+
+
+def slider(film: Film, name: str, farther: float, nearer: float) -> None:
+    """On three images a run rests at the published values; a slider lets its fronts go farther, and back."""
+    for file, (center, radius) in STARTS.items():
+        film.window.get_feature(OpenSaveFeature).document_file.treat_as_saved()
+        film.stand.open(file)
+        film.session.edit(
+            "preset", lambda document: edits.apply_preset(document, Parameters(reach=8.0, weakest_edge=0.5))
+        )
+        film.session.edit("clear", edits.clear_shapes)
+        film.settle()
+        film.key(Qt.Key.Key_C, "C")
+        start, end = (
+            film.canvas.map_from_image(place).toPoint() for place in (center, (center[0], center[1] + radius))
+        )
+        film.drag(film.canvas.viewport(), start, end)
+        film.session.select_shape(None)
+        film.run(60)
+        film.hold(0.4)
+        film.slide(name, farther, nearer)
+
+
+FIELD, COUNT = 160, (3, 4)
+"""Side of an image of the folder [px], and how many of them there are in the rows and columns of the sample."""
+
+
+def folder(film: Film) -> None:
+    """Work through twelve images of cells in a folder, from opening it to one table of all objects."""
+    sample = find_sample_named("cells.png")
+    assert sample is not None
+    with Picture.open(sample.path) as picture, tempfile.TemporaryDirectory() as root:
+        plate = Path(root) / "plate"
+        plate.mkdir()
+        tops, lefts = (np.linspace(0, picture.width - FIELD, count, dtype=int) for count in COUNT)
+        for number, (top, left) in enumerate(product(tops.tolist(), lefts.tolist()), start=1):
+            picture.crop((left, top, left + FIELD, top + FIELD)).save(plate / f"field_{number:02}.png")
+        film.window.files.remember_path("open", plate)
+        film.answer("plate")
+        film.click_menu("open_folder")
+        _work_through(film)
+
+
+def _work_through(film: Film) -> None:
+    """Find the cells of the first image, apply this to all, review them, and export the table."""
+    project, selection = film.window.workspace.project, film.window.workspace.object_selection
+    wait(lambda: project.current is not None)
+    film.settle()
+    film.hold(0.8)
+    film.click(film.button("Automatic"))
+    film.settle()
+    film.run(70)
+    for number, path in enumerate(project.images):
+        milliseconds = 500 if number < 2 else 150
+        wait(lambda: project.current == path and bool(selection.proposals))  # noqa: B023
+        film.settle()
+        film.hold(milliseconds / 1000)
+        film.key(Qt.Key.Key_Return, "Enter", NONE, milliseconds)
+        film.settle()
+        if number == 0:
+            film.hold(0.6)
+            film.click_menu("apply_to_all")
+            film.hold(0.8)
+        film.key(Qt.Key.Key_Return, "Ctrl+Enter", Qt.KeyboardModifier.ControlModifier, milliseconds)
+    film.settle()
+    film.hold(0.6)
+    film.answer("plate_objects.csv")
+    film.click_menu("export_all_images")
+    film.settle()
+    film.hold(2.0)
+
+
+FILMS: Mapping[str, Callable[[Film], None]] = {
+    "nuclei": nuclei,
+    "artery": artery,
+    "hand": hand,
+    "head": head,
+    "damping": partial(slider, name="beta", farther=0.15, nearer=2.0),
+    "weights": partial(slider, name="ratio", farther=0.99, nearer=0.3),
+    "annealing": partial(slider, name="annealing", farther=0.999, nearer=0.92),
+    "folder": folder,
+}
 
 
 def main(names: list[str]) -> None:

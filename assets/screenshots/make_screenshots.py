@@ -110,7 +110,7 @@ LARGE = ((167.0, 33.0), (264.0, 39.0), (284.0, 193.0), (76.0, 280.0))
 
 
 def objects(stand: Stand) -> None:
-    """All nuclei found, accepted as objects of two classes, one of them selected; a doubtful proposal is left."""
+    """All nuclei found, accepted as objects of two classes, one of them selected."""
     workspace = stand.window.workspace
     selection, listed, commands = workspace.object_selection, workspace.object_list, workspace.object_commands
     stand.open("nuclei.png")

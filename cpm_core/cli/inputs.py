@@ -144,4 +144,4 @@ def load_named_truth(path: str | None, image: Image) -> Truth | VolumeTruth | No
         return None
     if image.ndim == 3:
         return load_volume_truth(path, image)
-    return load_truth(path, image.shape, spacing=image.spacing, unit=image.unit)
+    return load_truth(path, image.shape, spacing=image.spacing, unit=image.unit, name=image.source, warn=print_message)

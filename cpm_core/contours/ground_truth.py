@@ -15,6 +15,7 @@ from cpm_core.contours.graph import Graph
 from cpm_core.contours.rasterize import rasterize_labels, rasterize_mask
 from cpm_core.contours.surface import Surface, surface_from_labels
 from cpm_core.image import drawing
+from cpm_core.numerics.grids import rank_values
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
@@ -134,8 +135,14 @@ def truth_from_mask(values: NDArray[np.generic], source: str = "ground truth") -
     return Truth(labels, _trace_label_boundaries(labels), source)
 
 
-_MAX_COUNTED_RANGE = 2**16
-"""Largest range of whole gray levels that are counted rather than sorted."""
+_MAX_LOSSY_RANGE = 2**16
+"""Range of gray levels below which many of them may be black and white from a lossy format."""
+
+_ROUNDING_NOISE = 1e-3
+"""Distance from a whole number up to which gray levels are that label, even several of them."""
+
+_MAX_ROUNDING = 0.1
+"""Largest distance from whole numbers of labels, which a file may store with a slope."""
 
 
 def label_gray_levels(values: NDArray[np.generic], source: str) -> Labels:
@@ -156,22 +163,41 @@ def label_gray_levels(values: NDArray[np.generic], source: str) -> Labels:
     Raises
     ------
     ValueError
-        When all pixels are equal, or too many neighbors differ for a mask.
+        When all pixels are equal, too many neighbors differ for a mask, or labels are negative.
     """
-    low, high = float(values.min()), float(values.max())
-    if high - low <= _MAX_COUNTED_RANGE and not (values % 1).any():  # sorting a volume would take seconds
-        shifted = np.subtract(values, low).astype(np.int32)
-        there = np.bincount(shifted.ravel()) > 0
-        levels, labels = low + np.flatnonzero(there), (np.cumsum(there) - 1).astype(np.int32)[shifted]
-    else:
-        levels, index = np.unique(values, return_inverse=True)
-        labels = index.reshape(values.shape).astype(np.int32)
-    if len(levels) > 8:
-        span = (np.asarray(values, float) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
-        if np.minimum(span, 1.0 - span).max() < _BLACK_WHITE_TOLERANCE:  # black and white from a lossy format
-            labels = (span > 0.5).astype(np.int32)
+    return _find_levels(values, source)[2]
+
+
+def number_gray_levels(values: NDArray[np.generic], source: str) -> tuple[Labels, bool]:
+    """Return the gray levels of a mask as labels where they are whole, else those of `label_gray_levels`.
+
+    Returns
+    -------
+    labels : ndarray of int32, shape of `values`
+        Number of each gray level, 0 for the lowest.
+    whole : bool
+        Whether they are the numbers in the file, to which its names belong.
+    """
+    levels, ranks, labels = _find_levels(values, source)
+    if (levels % 1.0).any():
+        return labels, False
+    most = np.iinfo(np.int32).max
+    if levels[-1] > most:
+        raise ValueError(
+            f"{source} has the label {levels[-1]:.0f}, but the largest that is read is {most}: renumber them."
+        )
+    return np.r_[0, levels[1:]].astype(np.int32)[ranks], True
+
+
+def _find_levels(values: NDArray[np.generic], source: str) -> tuple[Array, Labels, Labels]:
+    """Find the gray levels of a mask, sorted, the index of each among them, and its label by `label_gray_levels`."""
+    levels, ranks = _round_levels(*rank_values(values))
     if len(levels) < 2:
         raise ValueError(f"{source} has one gray level everywhere, so it shows no object: choose another mask.")
+    labels, span = ranks, (levels - levels[0]) / (levels[-1] - levels[0])
+    lossy = len(levels) > 8 and levels[-1] - levels[0] < _MAX_LOSSY_RANGE
+    if lossy := lossy and np.minimum(span, 1.0 - span).max() < _BLACK_WHITE_TOLERANCE:
+        labels = (span > 0.5).astype(np.int32)[ranks]
     changes = np.mean(
         [(np.diff(labels, axis=axis) != 0).mean() for axis in range(labels.ndim) if labels.shape[axis] > 1]
     )
@@ -180,7 +206,22 @@ def label_gray_levels(values: NDArray[np.generic], source: str) -> Labels:
             f"{source} has {len(levels)} gray levels that change from pixel to pixel, so it is an image, not a mask: "
             "choose an image with one gray level for the background and one for each object."
         )
-    return labels
+    if levels[1] <= 0.0 and not lossy and not (levels % 1.0).any():
+        raise ValueError(
+            f"{source} has the label {levels[0]:.0f}, and none may be below 0: replace it, by 0 where it is background."
+        )
+    return levels, ranks, labels
+
+
+def _round_levels(levels: NDArray[np.generic], ranks: Labels) -> tuple[Array, Labels]:
+    """Round gray levels that a slope in the file has moved off whole numbers, and leave all others as they are."""
+    exact = levels.astype(float)
+    whole = np.rint(exact)
+    off, merged = float(np.abs(exact - whole).max()), bool((np.diff(whole) == 0.0).any())
+    if whole[0] == whole[-1] or off > (_ROUNDING_NOISE if merged else _MAX_ROUNDING):
+        return exact, ranks
+    kept, again = np.unique(whole, return_inverse=True)
+    return kept, again.astype(np.int32)[ranks]
 
 
 def _trace_label_boundaries(labels: Labels) -> tuple[Contour, ...]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contours
 from cpm_core.contours.measurements import area_moments, assign_labels, containment
 from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import find_label_boxes, rank_values
 from cpm_core.numerics.types import Array, Index, Numbers
 from cpm_core.parameters.formatting import format_count, format_repr
 
@@ -133,12 +134,13 @@ def measure_volume_objects(
         Unit of lengths; px where None.
     """
     sides = np.array(spacing, float)
-    numbers = np.unique(labels[labels > 0]).astype(np.int64)
-    counts = np.bincount(labels.ravel())[numbers]
+    found, ranks = rank_values(labels)
+    places = np.flatnonzero(found > 0)
+    numbers, counts = found[places].astype(np.int64), np.bincount(ranks.ravel(), minlength=len(found))[places]
     columns = {"label": numbers, "volume": counts * float(np.prod(sides))}
     columns["equivalent_diameter"] = np.cbrt(6.0 * columns["volume"] / np.pi)
-    centers = np.array(scipy.ndimage.center_of_mass(labels > 0, labels, numbers)).reshape(-1, 3)
-    parts = [part for part in scipy.ndimage.find_objects(labels) if part is not None]
+    centers = np.array(scipy.ndimage.center_of_mass(labels > 0, ranks, places)).reshape(-1, 3)
+    parts = [part for _, part in find_label_boxes(labels)]
     ends = [[side.start for side in part] + [side.stop - 1 for side in part] for part in parts]
     columns |= {f"centroid-{axis}": column for axis, column in enumerate((centers * sides).T)}
     columns |= {f"bbox-{k}": column for k, column in enumerate((np.reshape(ends, (-1, 6)) * np.tile(sides, 2)).T)}

@@ -8,13 +8,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour, Label
 from cpm_core.contours.graph import Graph
 from cpm_core.image import drawing
-from cpm_core.numerics.grids import find_connected_parts, label_joined_pairs, zero_surface
+from cpm_core.numerics.grids import find_connected_parts, find_label_boxes, label_joined_pairs, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, record
@@ -248,7 +247,12 @@ def label_voxels(surface: Surface, shape: Extent) -> Index:
     found = np.zeros(shape, np.int64)
     if surface.numbers is not None:
         for number in np.unique(surface.numbers):  # where objects share voxels, the last one gets them
-            found[voxelize_surface(extract_object_surface(surface, number), shape)] = number
+            one = extract_object_surface(surface, number)
+            first = np.clip(np.floor(one.vertices.min(axis=0)), 0, shape).astype(np.int64)
+            end = np.clip(np.floor(one.vertices.max(axis=0)) + 2, 0, shape).astype(np.int64)
+            around = found[tuple(map(slice, first, end))]
+            shifted = replace(one, vertices=one.vertices - first)
+            around[voxelize_surface(shifted, around.shape)] = number
         return found
     inside = voxelize_surface(surface, shape)
     parts = find_connected_parts(inside, corners=True)
@@ -294,10 +298,7 @@ def surface_from_labels(
     a single label the connected parts are the objects, and none has a number.
     """
     places, corners, numbers, count = [np.empty((0, 3))], [np.empty((0, 3), np.int64)], [np.empty(0, np.int64)], 0
-    parts: Sequence[tuple[slice, ...] | None] = scipy.ndimage.find_objects(labels)
-    for number, part in enumerate(parts, start=1):
-        if part is None:
-            continue
+    for number, part in find_label_boxes(labels):
         inside = np.pad(labels[part] == number, _LABEL_MARGIN)
         begin = np.array([side.start - _LABEL_MARGIN for side in part])
         within = np.clip([begin, begin + inside.shape], 0, labels.shape) - begin

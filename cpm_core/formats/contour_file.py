@@ -73,7 +73,8 @@ def load_contours(
         A file with one of the suffixes `CONTOURS_READABLE`, written by `export` or by another program, or a label mask,
         whose objects are outlined. The kind of JSON is recognized by its content.
     image : Image, optional
-        The image that they belong to. CAD drawings count rows from its lower side, in its unit.
+        The image that they belong to. CAD drawings count rows from its lower side, in its unit; of the images of a
+        COCO file its name selects one.
     page : int, optional
         Read only the contours on this page of a stack, from 1.
     warn : callable, optional
@@ -110,11 +111,11 @@ def load_contours(
 
 
 def describe_plane(image: Image | None) -> PlaneInfo:
-    """Return the shape and pixel size that readers need; for a volume those of its slices."""
+    """Return what readers need to know of an image; of a volume the shape and pixel size of its slices."""
     if image is None:
         return UNKNOWN_PLANE
     (rows, cols), (height, width) = image.shape[-2:], image.spacing[-2:]
-    return PlaneInfo((rows, cols), (height, width), image.unit)
+    return PlaneInfo((rows, cols), (height, width), image.unit, image.source)
 
 
 def read_contours(path: AnyPath, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int | None = None) -> ContourFile:
@@ -157,7 +158,7 @@ def _parse_contours(content: bytes, name: str, plane: PlaneInfo) -> CollectedCon
         return contour_json.read_contour_json(plain)
     if "shapes" in plain:
         return labelme.read_labelme(plain)
-    return coco.read_coco(plain) if "annotations" in plain else geojson.read_geojson(plain)
+    return coco.read_coco(plain, plane) if "annotations" in plain else geojson.read_geojson(plain)
 
 
 def _build_contour_file(found: CollectedContours, name: str, page: int | None) -> ContourFile:

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import logging
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth, VolumeTruth, label_gray_levels, truth_from_contours, truth_from_mask
 from cpm_core.contours.surface import label_voxels
 from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
+from cpm_core.formats.contour_file import CONTOURS_READABLE, ContourFile, read_contours
 from cpm_core.formats.contours.contents import PlaneInfo
 from cpm_core.formats.images.readers import load_image
 from cpm_core.formats.surface_file import SURFACES_READABLE, load_surface, read_aligned_labels, read_overlapping_parts
 from cpm_core.image.image import Image
+
+_LOG = logging.getLogger(__name__)
 
 _MAX_OVERHANG = 1.0
 """Largest distance of a vertex outside the image [px]."""
@@ -28,6 +30,8 @@ def load_truth(
     holes: bool = True,
     spacing: Sequence[float] = (1.0, 1.0),
     unit: str | None = None,
+    name: str = "",
+    warn: Callable[[str], object] = _LOG.warning,
 ) -> Truth:
     """Read the ground truth of an image.
 
@@ -45,6 +49,10 @@ def load_truth(
         Size of a pixel along (row, col), for contours in a unit of length (drawings for CAD).
     unit : str, optional
         Unit of `spacing`.
+    name : str, optional
+        Name of the image, which selects among those of a COCO file.
+    warn : callable, optional
+        Called with a sentence for each omission; by default a warning is logged.
 
     Returns
     -------
@@ -67,10 +75,11 @@ def load_truth(
     """
     file, rows, cols = Path(path), *map(int, shape)
     if file.suffix.lower() in CONTOURS_READABLE:
-        plane = PlaneInfo((rows, cols), (float(spacing[0]), float(spacing[1])), unit)
-        return truth_from_contours(
-            _read_fitting_contours(file, plane, (rows, cols)), (rows, cols), file.name, holes=holes
-        )
+        plane = PlaneInfo((rows, cols), (float(spacing[0]), float(spacing[1])), unit, name)
+        found = _read_fitting_contours(file, plane, (rows, cols))
+        for note in found.notes:
+            warn(f"{file.name}: {note}")
+        return truth_from_contours(found.contours, (rows, cols), file.name, holes=holes)
     image = load_image(file)
     _check_truth_size(file.name, image.shape, (rows, cols))
     return truth_from_mask(image.values, file.name)
@@ -119,7 +128,7 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
     )
 
 
-def _read_fitting_contours(file: Path, plane: PlaneInfo, shape: tuple[int, int]) -> tuple[Contour, ...]:
+def _read_fitting_contours(file: Path, plane: PlaneInfo, shape: tuple[int, int]) -> ContourFile:
     """Read contours; ValueError unless they fit into the image."""
     found, (rows, cols) = read_contours(file, plane), shape
     if not found.contours:
@@ -131,7 +140,7 @@ def _read_fitting_contours(file: Path, plane: PlaneInfo, shape: tuple[int, int])
             f"{file.name} has contours that reach out of the image of {rows} x {cols} px: choose the ground truth "
             "of this image, in its pixels."
         )
-    return found.contours
+    return found
 
 
 def _check_truth_size(name: str, found: Sequence[int], wanted: tuple[int, int]) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.contour import Label
-from cpm_core.contours.ground_truth import label_gray_levels
+from cpm_core.contours.ground_truth import number_gray_levels
 from cpm_core.contours.surface import Surface, join_surfaces, surface_from_labels
 from cpm_core.formats.common.atomic import find_suffix
 from cpm_core.formats.common.content import AnyPath, explain_decoding_errors, read_content
@@ -47,9 +47,6 @@ _MAX_MISALIGNMENT = 0.5
 
 _MAX_PART_MISALIGNMENT = 0.2
 """Largest displacement of labels of a part of a volume from its voxels [voxels]."""
-
-_MAX_OBJECT_LABEL = 100_000
-"""Largest value that counts as the number of an object."""
 
 
 def load_surface(
@@ -103,7 +100,7 @@ def read_surface(path: AnyPath, image: Image | None = None, space: Convention | 
     """Read a surface, and list what was assumed; see `load_surface`."""
     file = Path(path)
     if file.suffix.lower() not in SURFACES_READABLE:
-        return _read_label_surfaces(file, image), ()
+        return _read_label_surfaces(file, image)
     return decode_surface(read_content(file), file.name, image, space)
 
 
@@ -132,8 +129,8 @@ def decode_surface(
     return surface, notes
 
 
-def _read_label_surfaces(file: Path, image: Image | None) -> Surface:
-    """Read the surfaces of the objects in a label volume, halfway between voxels; integer labels and names are kept."""
+def _read_label_surfaces(file: Path, image: Image | None) -> tuple[Surface, Texts]:
+    """Read the surfaces of the objects in a label volume, halfway between voxels; whole labels keep their names."""
     if parts := read_overlapping_parts(file):
         if image is None:
             raise ValueError(
@@ -148,19 +145,19 @@ def _read_label_surfaces(file: Path, image: Image | None) -> Surface:
             bodies.append(
                 (name.number, surface_from_labels((inside > 0.0).astype(np.int32), image.spacing, image.unit))
             )
-        return replace(join_surfaces(bodies, image.spacing, image.unit), labels=tuple(names))
+        return replace(join_surfaces(bodies, image.spacing, image.unit), labels=tuple(names)), ()
     volume = image or load_volume(file)
     values = volume.values if image is None else read_aligned_labels(file, image)
-    labels = label_gray_levels(values, file.name)
-    if values.min() == 0 and values.max() <= _MAX_OBJECT_LABEL and not (values % 1.0).any():
-        labels = values.astype(np.int32)
+    labels, whole = number_gray_levels(values, file.name)
     surface = surface_from_labels(labels, volume.spacing, volume.unit)
     known = tuple(one.label for one in nrrd.read_segments(file)) or itk_snap.read_sibling_description(
         file, find_suffix(file, IMAGES_READABLE)
     )
+    if known and not whole:
+        return surface, ("Its values are no whole numbers, so that the names of its labels were left out.",)
     if known and surface.numbers is None:
         surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))
-    return replace(surface, labels=known)
+    return replace(surface, labels=known), ()
 
 
 def read_overlapping_parts(file: Path) -> Iterable[tuple[Label, Sequence[DecodedImage]]]:

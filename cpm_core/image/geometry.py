@@ -21,6 +21,12 @@ CONVENTIONS = ("LPS", "RAS")
 
 Triple = tuple[float, float, float]
 
+Matrix = tuple[tuple[float, ...], ...]
+"""Rows of a matrix."""
+
+SCANNER_CODE = 1
+"""Code of NIfTI for positions in the coordinates of the scanner."""
+
 _LPS_TO_RAS = np.array([-1.0, -1.0, 1.0])
 """Signs that turn coordinates of one convention into those of the other."""
 
@@ -49,6 +55,11 @@ class Geometry:
         Where x, y and z point, as in the file that it comes from.
     depth : float
         Distance of neighboring planes in the unit of the image's spacing, for an image that is one plane of a volume.
+    to_qform : tuple of tuple of float, or None
+        Matrix from positions (x, y, z, 1) to those by the qform of a NIfTI, where that differs from its sform, shape
+        (4, 4).
+    codes : tuple of int
+        Codes of a NIfTI for what its sform and its qform refer to; 0 for one that it does not state.
 
     Raises
     ------
@@ -64,6 +75,8 @@ class Geometry:
     ((4, 4), (10.0, 20.0, 32.0))
     >>> geometry.scaled(10.0).origin
     (100.0, 200.0, 300.0)
+    >>> bool((geometry.qform_affine((2.0, 0.5, 0.5)) == geometry.affine((2.0, 0.5, 0.5))).all())  # else in some NIfTI
+    True
     >>> geometry.letters, geometry.ends[0], geometry.oblique, geometry.slant
     (('S', 'P', 'L'), ('I', 'S'), 0.0, 0.0)
     """
@@ -72,6 +85,8 @@ class Geometry:
     directions: tuple[Triple, Triple, Triple] = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
     convention: Convention = "LPS"
     depth: float = 1.0
+    to_qform: Matrix | None = None
+    codes: tuple[int, int] = (SCANNER_CODE, SCANNER_CODE)
 
     def __post_init__(self) -> None:
         origin, directions = as_real_array(self.origin), as_real_array(self.directions)
@@ -110,11 +125,18 @@ class Geometry:
         matrix = np.eye(4)
         matrix[:3, :3] = np.array(self.directions).T * sides
         matrix[:3, 3] = self.origin
+        return self._turn(matrix, convention)
+
+    def qform_affine(self, spacing: Sides, convention: Convention | None = None) -> Array:
+        """Return the matrix of `affine` by the qform of a NIfTI; the same for all other files."""
+        matrix = self.affine(spacing)
+        return self._turn(matrix if self.to_qform is None else np.array(self.to_qform) @ matrix, convention)
+
+    def _turn(self, matrix: Array, convention: Convention | None) -> Array:
+        """Turn a matrix to positions of a convention, by default the own."""
         if convention is not None:
             _check_convention(convention)
-        if convention not in (None, self.convention):
-            matrix[:3] *= _LPS_TO_RAS[:, None]
-        return matrix
+        return matrix if convention in (None, self.convention) else np.r_[_LPS_TO_RAS, 1.0][:, None] * matrix
 
     def starting_at(self, voxels: ArrayLike, spacing: Sides) -> Geometry:
         """Return the geometry of the part of an image that begins at a voxel (plane, row, col), shape (3,)."""
@@ -125,7 +147,12 @@ class Geometry:
     def scaled(self, factor: float) -> Geometry:
         """Return the geometry in another unit of length, `factor` of which make one of the present unit."""
         x, y, z = self.origin
-        return replace(self, origin=(factor * x, factor * y, factor * z), depth=factor * self.depth)
+        found = replace(self, origin=(factor * x, factor * y, factor * z), depth=factor * self.depth)
+        if self.to_qform is None:
+            return found
+        turn = np.array(self.to_qform)
+        turn[:3, 3] *= factor
+        return replace(found, to_qform=freeze_matrix(turn))
 
     @property
     def letters(self) -> tuple[str, str, str]:
@@ -172,6 +199,11 @@ def geometry_from_affine(affine: Any, convention: Convention) -> tuple[Geometry,
     along = matrix[:3, 2::-1].T
     plane, row, col = np.linalg.norm(along, axis=1).tolist()
     return Geometry(tuple(matrix[:3, 3].tolist()), along, convention), (plane, row, col)  # type: ignore[arg-type]
+
+
+def freeze_matrix(matrix: Array) -> Matrix:
+    """Return a matrix as tuples, which can be compared and hashed."""
+    return tuple(map(tuple, matrix.tolist()))
 
 
 def _check_convention(given: object) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from itertools import product
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy
@@ -117,6 +117,36 @@ class ConnectedParts:
         found = np.empty(len(voxels), np.int64)
         _look_up(self.begin, self.first, self.end, self.part, self.shape[1], voxels, found)
         return found
+
+
+_MAX_COUNTED_RANGE = 2**16
+"""Largest range of whole numbers that are counted rather than sorted."""
+
+
+def rank_values(values: NDArray[Any]) -> tuple[NDArray[Any], Labels]:
+    """Return the different values of an array, sorted, and the index of each value among them, in its shape.
+
+    Sorting each voxel of a volume takes long: runs of equal values are one, and whole numbers are counted.
+    """
+    flat = values.ravel()
+    begin = np.flatnonzero(np.r_[True, flat[1:] != flat[:-1]])
+    runs = flat[begin]
+    low = float(runs.min())
+    if float(runs.max()) - low <= _MAX_COUNTED_RANGE and not (runs % 1).any():
+        shifted = np.subtract(runs, low).astype(np.int32)
+        there = np.bincount(shifted) > 0
+        levels, index = (low + np.flatnonzero(there)).astype(values.dtype), (np.cumsum(there) - 1)[shifted]
+    else:
+        levels, index = np.unique(runs, return_inverse=True)
+    ranks = np.repeat(index.astype(np.int32), np.diff(begin, append=flat.size))
+    return levels, ranks.reshape(values.shape)
+
+
+def find_label_boxes(labels: NDArray[np.integer]) -> list[tuple[int, Window]]:
+    """Find the window of each label above 0, in order; labels may be as large as those of brain atlases."""
+    numbers, ranks = rank_values(labels)
+    boxes = scipy.ndimage.find_objects(ranks + 1)
+    return [(number, box) for number, box in zip(numbers.tolist(), boxes, strict=True) if number > 0]
 
 
 def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable, Container
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,11 +12,20 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import rasterize_labels
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.json_values import encode_json
+from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.common.provenance import PROGRAM_NAME, PROVENANCE_KEY, Outcome, describe_provenance
-from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, contour_rgb, round_coordinates
+from cpm_core.formats.contours.contents import (
+    PIXEL_OFFSET,
+    CollectedContours,
+    PlaneInfo,
+    contour_rgb,
+    round_coordinates,
+)
 from cpm_core.formats.contours.mask import decode_runs, find_outlines
 from cpm_core.numerics.types import JsonDict
+from cpm_core.parameters.formatting import format_size
 
 _UNNAMED_CATEGORY = "object"
 """Category of an instance without a name."""
@@ -102,29 +114,87 @@ def _flatten_polygon(contour: Contour) -> list[float]:
     return round_coordinates((contour.points[:, ::-1] + PIXEL_OFFSET).ravel())
 
 
-def read_coco(content: JsonDict) -> CollectedContours:
-    """Read the contours of the instances of the first image that has any.
+def read_coco(content: JsonDict, plane: PlaneInfo) -> CollectedContours:
+    """Read the contours of the instances of one image; see `_select_image`.
 
     The category becomes the class of a contour, and its name if it has none. Contours of run-length masks run between
     pixels, unless CPM has written their outlines next to them.
     """
     found = CollectedContours(is_own=PROVENANCE_KEY in (content.get("info") or {}))
     categories = {entry["id"]: entry["name"] for entry in content.get("categories", [])}
-    images = {entry["id"]: entry for entry in content["images"]}
-    used = {entry["image_id"] for entry in content["annotations"]}
-    chosen = next((number for number in images if number in used), None)
-    if chosen in images and {"height", "width"} <= images[chosen].keys():
-        found.shape = int(images[chosen]["height"]), int(images[chosen]["width"])
-    if len(used) > 1 and chosen in images:
-        found.notes.append(
-            f"The file has instances of {len(used)} images: those of "
-            f"{images[chosen].get('file_name', chosen)} were read."
-        )
+    used = {str(entry["image_id"]) for entry in content["annotations"]}
+    image, note = _select_image(content["images"], used, plane)
+    found.shape = _image_shape(image)
+    found.notes += note
+    if found.shape and plane.shape and found.shape != plane.shape:
+        there, here = (format_size(shape) for shape in (found.shape, plane.shape))
+        found.notes.append(f"Its image has {there}, this one {here}.")
     for entry in content["annotations"]:
-        if entry["image_id"] == chosen:
+        if str(entry["image_id"]) == str(image.get("id")):
             name = categories.get(entry.get("category_id"), "")
             _add_instance(found, entry, "" if name == _UNNAMED_CATEGORY else name)
     return found
+
+
+def _select_image(images: list[JsonDict], used: Container[str], plane: PlaneInfo) -> tuple[JsonDict, list[str]]:
+    """Select the image at hand among those of a file, and note what makes that doubtful.
+
+    It is the one of its name, whatever the folders, capitals and suffix; else one without a name whose id is its name;
+    else the only one of its size that has instances. Without an image at hand it is the first with instances.
+
+    Raises
+    ------
+    UnreadableError
+        When it is none of several images, or may be more than one, or has no instances.
+    """
+    with_instances = [image for image in images if str(image["id"]) in used]
+    if not plane.name:
+        first = next(iter(with_instances), {})
+        many = f"The file has instances of {len(with_instances)} images: those of {_image_name(first)} were read."
+        return first, [many] * (len(with_instances) > 1)
+    at_hand = make_printable(plane.name)
+    rules: tuple[Callable[[JsonDict], bool], ...] = (
+        lambda image: at_hand.lower() in _list_names(image),
+        lambda image: Path(at_hand).stem.lower() in {Path(name).stem for name in _list_names(image)},
+        lambda image: not _list_names(image) and Path(at_hand).stem.lstrip("0") == str(image["id"]).lstrip("0"),
+    )
+    for rule in rules:
+        found = [image for image in images if rule(image)]
+        fitting = [image for image in found if _image_shape(image) in (None, plane.shape)] or found
+        if len(fitting) > 1:
+            raise UnreadableError(
+                f"The file has {len(fitting)} images named {at_hand}: save the instances of one alone."
+            )
+        if fitting and with_instances and str(fitting[0]["id"]) not in used:
+            raise UnreadableError(f"The file has instances of other images, but none of {at_hand}: choose another one.")
+        if fitting:
+            return fitting[0], []
+    fitting = [image for image in with_instances if _image_shape(image) in (None, plane.shape)]
+    if len(with_instances) > 1 and len(fitting) != 1:
+        raise UnreadableError(
+            f"The file has instances of {len(with_instances)} images, such as {_image_name(with_instances[0])}, but "
+            f"none named {at_hand}: rename the image, or choose another file."
+        )
+    chosen = next(iter(fitting or with_instances), {})
+    return chosen, [f"Its instances are those of {_image_name(chosen)}, not of {at_hand}."] if chosen else []
+
+
+def _list_names(image: JsonDict) -> set[str]:
+    """List the names of an image without folders, in small letters: its own, and the one before it was renamed."""
+    original = image["extra"].get("name") if isinstance(image.get("extra"), dict) else None
+    names = (image.get("file_name"), original)
+    return {make_printable(re.split(r"[/\\]", str(name))[-1]).lower() for name in names if name}
+
+
+def _image_name(image: JsonDict) -> str:
+    """Return the name of an image for a message."""
+    return make_printable(str(image.get("file_name") or image.get("id", "")))
+
+
+def _image_shape(image: JsonDict) -> tuple[int, int] | None:
+    """Return rows and columns of an image; None where the file does not state them."""
+    height, width = image.get("height"), image.get("width")
+    return (int(height), int(width)) if height and width else None
 
 
 def _add_instance(found: CollectedContours, entry: JsonDict, name: str) -> None:

@@ -40,11 +40,12 @@ def round_coordinates(values: Array) -> list[Any]:
 
 @frozen
 class PlaneInfo:
-    """What is known of the image that contours belong to: its shape, and the size of a pixel and its unit."""
+    """What is known of the image that contours belong to: its shape, the size of a pixel and its unit, and its name."""
 
     shape: tuple[int, int] | None = None
     spacing: tuple[float, float] = (1.0, 1.0)
     unit: str | None = None
+    name: str = ""
 
 
 @dataclass(eq=False)

@@ -14,6 +14,9 @@ from cpm_core.formats.common.provenance import PROVENANCE_KEY, Outcome, describe
 from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, contour_rgb, parse_color, to_xy_pairs
 from cpm_core.numerics.types import Array, JsonDict
 
+_CLASS_SEPARATOR = ": "
+"""What QuPath has between a class and one derived from it, as in "Tumor: Positive"; it reads that as both."""
+
 
 def encode_geojson(result: Outcome) -> bytes:
     """Write a collection of features, one for each contour (RFC 7946, with the properties that QuPath uses).
@@ -88,7 +91,8 @@ def _build_geometry(contour: Contour, holes: Contours) -> JsonDict:
 def read_geojson(content: Any) -> CollectedContours:
     """Read the contours of all geometries, in px from the corner of the image; interior rings are holes.
 
-    The name of a contour is that of its feature, else that of its class. In files of CPM a contour inside another is
+    The name of a contour is that of its feature, else that of its class, which QuPath writes as a name or a list of
+    names. The nucleus of a cell is left out, since a contour in another is a hole. In files of CPM one in another is
     both an interior ring and a feature of its own, and then it is no hole.
     """
     own = isinstance(content, dict) and PROVENANCE_KEY in content
@@ -123,6 +127,8 @@ def _iterate_geometries(
     elif kind == "Feature" and content["geometry"] is None:
         found.omissions["feature without a geometry"] += 1
     elif kind == "Feature":
+        if content.get("nucleusGeometry"):
+            found.omissions["nucleus of a cell"] += 1
         yield from _iterate_geometries(content["geometry"], content, found)
     else:
         placed = {**feature, "plane": content.get("plane") or feature.get("plane")}
@@ -135,14 +141,16 @@ def _parse_properties(feature: JsonDict, own: bool) -> JsonDict:
     """Parse name, color and junctions of a feature, dropping those that CPM gives to contours without any."""
     properties = feature.get("properties") or {}
     kind = properties.get("classification") or {}
-    kind = {"name": kind} if isinstance(kind, str) else kind
+    kind = kind if isinstance(kind, dict) else {"name": kind}
+    given = kind.get("names") or kind.get("name") or ""
+    category = given if isinstance(given, str) else _CLASS_SEPARATOR.join(map(str, given))
     colors = (parse_color(one.get(key)) for one in (properties, kind) for key in ("color", "colorRGB"))
     color = next(filter(None, colors), "")
     measures = properties.get("measurements")
     strength = measures.get("Edge strength", 0.0) if own and isinstance(measures, dict) else 0.0
     return {
-        "name": str(properties.get("name") or kind.get("name") or ""),
-        "category": str(kind.get("name") or ""),
+        "name": str(properties.get("name") or category),
+        "category": category,
         "color": color,
         "junctions": properties.get("junctions") or (),
         "strength": strength,

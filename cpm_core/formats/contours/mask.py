@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy
 import skimage
 from numpy.typing import NDArray
 from PIL import Image
 
+from cpm_core.numerics.grids import find_label_boxes
 from cpm_core.numerics.types import Array, Mask
 
 
@@ -52,10 +52,8 @@ def read_color_indices(file: Path) -> NDArray[np.integer] | None:
 
 def find_label_outlines(labels: NDArray[np.integer]) -> Iterator[tuple[int, list[tuple[Array, bool]]]]:
     """Yield each label of a mask of shape (H, W) with its `find_outlines`; 0 is the background."""
-    for number, window in enumerate(scipy.ndimage.find_objects(labels), start=1):
-        if window is not None:
-            rows, cols = window
-            yield number, find_outlines(labels[window] == number, rows.start, cols.start)
+    for number, (rows, cols) in find_label_boxes(labels):
+        yield number, find_outlines(labels[rows, cols] == number, rows.start, cols.start)
 
 
 def decode_runs(plain: Any) -> Mask:

@@ -26,6 +26,7 @@ _HEADER_TAGS = (
     *("PixelSpacing", "ImagerPixelSpacing", "NominalScannedPixelSpacing", "SequenceOfUltrasoundRegions"),
     *("SliceThickness", "SpacingBetweenSlices", "ImagePositionPatient", "ImageOrientationPatient"),
     *("SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence", "GridFrameOffsetVector"),
+    *("DetectorInformationSequence", "SliceVector"),
     *("RescaleSlope", "RescaleIntercept", "RescaleType", "FrameTime", "FrameIncrementPointer"),
 )
 """Tags that are read from a header; reading all would take long for a folder of a thousand files."""
@@ -133,15 +134,22 @@ def _build_frame(path: Path, index: int, header: Any, own: list[Any], count: int
         return next(found, header.get(name))
 
     spacing, unit, notes = _parse_pixel_spacing(header, find_value("PixelSpacing", "PixelMeasuresSequence"))
-    origin = _parse_numbers(find_value("ImagePositionPatient", "PlanePositionSequence"), 3)
-    along = _parse_directions(_parse_numbers(find_value("ImageOrientationPatient", "PlaneOrientationSequence"), 6))
+    # slices of nuclear medicine lie where their detector says
+    detector = (header.get("DetectorInformationSequence") or [{}])[0]
+    place = find_value("ImagePositionPatient", "PlanePositionSequence") or detector.get("ImagePositionPatient")
+    turn = find_value("ImageOrientationPatient", "PlaneOrientationSequence") or detector.get("ImageOrientationPatient")
+    origin, along = _parse_numbers(place, 3), _parse_directions(_parse_numbers(turn, 6))
+    given = (find_value(name, "PixelMeasuresSequence") for name in ("SpacingBetweenSlices", "SliceThickness"))
+    apart = next((step for step in map(_parse_number, given) if step), None)
     if count > 1 and not own:  # dose grids list the offsets of their images from the first one
         offsets = _parse_numbers(header.get("GridFrameOffsetVector"), count)
+        slices = _parse_numbers(header.get("SliceVector"), count)
+        if slices is not None and apart and (np.diff(slices) > 0.0).all():
+            offsets = apart * slices  # below 0 where they run against their normal
         if origin is not None and along is not None and offsets is not None:
             origin = origin + (offsets[index] - offsets[0]) * np.cross(*along)
         else:
             origin = None
-    apart = (find_value(name, "PixelMeasuresSequence") for name in ("SpacingBetweenSlices", "SliceThickness"))
     return DicomFrame(
         path,
         index,
@@ -154,7 +162,7 @@ def _build_frame(path: Path, index: int, header: Any, own: list[Any], count: int
         along,
         spacing,
         unit,
-        next((size for size in (abs(_parse_number(one)) for one in apart) if size), None),
+        apart and abs(apart),
         notes,
         _parse_number(find_value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
         _parse_number(find_value("RescaleIntercept", "PixelValueTransformationSequence")),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import gzip
+import itertools
 import logging
 import math
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +21,8 @@ from cpm_core.formats.images.decoded import DecodedImage, decode_bands
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.resolution import find_unit
 from cpm_core.formats.images.stack import Stack, position_from_affine
+from cpm_core.image.geometry import Geometry, Triple, freeze_matrix
+from cpm_core.numerics.types import Texts
 from cpm_core.parameters.formatting import quote_value
 
 FILE_KINDS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
@@ -36,6 +40,9 @@ _READER_CLASSES = {
 
 # nibabel prints a line for everything unusual in a header; the user gets one sentence on what matters instead.
 logging.getLogger("nibabel.global").setLevel(logging.CRITICAL + 1)
+
+_SAME_PLACE = 0.001
+"""Distance up to which sform and qform are the same but for rounding [smallest side of a voxel]."""
 
 _GZIP_BLOCK = 2**20
 """Size of the blocks in which a file is unpacked [bytes]."""
@@ -72,6 +79,9 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
         unit = find_unit(volume.header.get_xyzt_units()[0])
         sides = [abs(float(side)) for side in (*volume.header.get_zooms()[:3], 1.0, 1.0)[2::-1]]
         spacing, _, geometry, notes = position_from_affine(volume.affine, "RAS", sides, "mm")
+        if geometry is not None:
+            geometry, more = _add_qform(geometry, volume, spacing, unit or "mm")
+            notes += more
         if unit is None:
             notes = ("It names no unit of length; millimeters were taken.", *notes)
 
@@ -100,6 +110,27 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
         geometry,
         notes=notes,
     )
+
+
+def _add_qform(geometry: Geometry, volume: Any, spacing: Triple, unit: str) -> tuple[Geometry, Texts]:
+    """Add to a position by the sform the qform where it differs, and the codes of both."""
+    codes = int(volume.header["sform_code"]), int(volume.header["qform_code"])
+    geometry = replace(geometry, codes=codes)
+    if min(codes) <= 0:
+        return geometry, ()
+    try:
+        qform = volume.header.get_qform()[:, [2, 1, 0, 3]]
+    except ValueError:
+        return replace(geometry, codes=(codes[0], 0)), ("Its qform is not valid and was left out.",)
+    sform = geometry.affine(spacing)
+    ends = np.array(volume.shape[:3][::-1] if len(volume.shape) > 2 else (1, *volume.shape[::-1])) - 1.0
+    corners = np.array([(*corner, 1.0) for corner in itertools.product(*((0.0, end) for end in ends))]).T
+    apart = float(np.linalg.norm((qform - sform)[:3] @ corners, axis=0).max())
+    if apart <= _SAME_PLACE * min(spacing):
+        return geometry, ()
+    to_qform = freeze_matrix(qform @ np.linalg.inv(sform))
+    said = f"Its sform and its qform lie up to {apart:.3g} {unit} apart: the sform was taken."
+    return replace(geometry, to_qform=to_qform), (f"{said} Labels keep both as NIfTI, in other files only the sform.",)
 
 
 def _find_reader_class(head: bytes) -> str | None:

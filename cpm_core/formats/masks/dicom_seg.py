@@ -105,7 +105,7 @@ def encode_dicom_seg(result: Result, image: Path | None = None) -> bytes:
 
 def _find_source_frames(result: Result, image: Path | None) -> list[DicomFrame]:
     """Find the images of the series that a result lies in, one per plane; ValueError if there is none."""
-    affine, unit, _ = locate_mask(result, "LPS")
+    affine, unit = locate_mask(result, "LPS")
     refused = ValueError(
         f"{result.source} is no DICOM series with positions, but a segmentation refers to one: choose .nii.gz or .nrrd."
     )

@@ -37,6 +37,9 @@ _SATURATION_STEP = 0.7548776662
 _BRIGHTNESS_STEP = 0.4142135624
 """Step of brightness from one label to the next: the silver ratio."""
 
+_MAX_PALETTE = 1000
+"""Number of colors after which they repeat: labels of brain atlases reach 614,454,277."""
+
 
 def paint_labels(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsignedinteger]:
     """Paint the insides of the closed contours of a result, or the branches of a skeleton.
@@ -81,9 +84,13 @@ def find_named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label
         labels = tuple({number: Label(number, one.name, one.color) for number, one in known if number}.values())
     if not any(label.name or label.color for label in labels):
         return ()
-    colors = label_palette(max(label.number for label in labels))
+    colors = label_palette(min(max(label.number for label in labels), _MAX_PALETTE))
     return tuple(
-        Label(one.number, make_printable(one.name), one.color or f"#{bytes(colors[one.number]).hex()}")
+        Label(
+            one.number,
+            make_printable(one.name),
+            one.color or f"#{bytes(colors[1 + (one.number - 1) % (len(colors) - 1)]).hex()}",
+        )
         for one in labels
     )
 
@@ -111,8 +118,8 @@ def encode_label_png(result: Outcome, *, outlines: bool = False) -> bytes:
     count = _largest_label(result, outlines)
     if count > MAX_UINT16_LABELS:
         raise ValueError(
-            f"{result.source} has {count} labels, but a PNG mask can hold at most {MAX_UINT16_LABELS}: export to TIFF, "
-            "or raise min_length, min_strength or pruning."
+            f"{result.source} has labels up to {count}, but a PNG mask can hold at most {MAX_UINT16_LABELS}: export to "
+            "TIFF, or raise min_length, min_strength or pruning."
         )
     stream = io.BytesIO()
     pixels = paint_labels(result, outlines=outlines).astype(np.uint8 if count <= 255 else np.uint16)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import gzip
+from collections.abc import Callable
 
 from cpm_core.formats.common.provenance import PROGRAM_NAME, Outcome, describe_provenance, dump_provenance
 from cpm_core.formats.masks.labels import paint_labels
 from cpm_core.image.geometry import Convention, Geometry
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Sides
 
 _NIFTI_UNITS = {
     "nm": ("micron", 1e-3),
@@ -18,17 +19,12 @@ _NIFTI_UNITS = {
 }
 """Unit -> unit of NIfTI, and the factor to it."""
 
-_SCANNER_CODE = 1
-"""Code of NIfTI for positions in the coordinates of the scanner."""
-
-_MAX_SLANT = 0.05
-"""Largest deviation of axes from right angles that a rotation can represent [degrees]."""
-
 
 def encode_nifti(result: Outcome, *, outlines: bool = False) -> bytes:
     """Encode the label mask of a result or a skeleton as NIfTI-1, columns first: one slice, or a volume.
 
-    Its voxels coincide with those of the image. If the position of that is unknown, columns run to the patient's left,
+    Its voxels coincide with those of the image. The qform is the nearest matrix at right angles, and of an image from a
+    NIfTI both matrices and codes are those of its file. If the position is unknown, columns run to the patient's left,
     rows to the back and planes to the head, as in a picture opened without a position, so that mask and picture
     coincide. Micrometers, millimeters and meters are kept, other units converted to the nearest of them. Provenance is
     a comment after the header. ValueError when there is nothing to paint.
@@ -36,10 +32,11 @@ def encode_nifti(result: Outcome, *, outlines: bool = False) -> bytes:
     import nibabel
 
     mask = paint_labels(result, outlines=outlines)
-    affine, unit, slant = locate_mask(result, "RAS")
+    affine, unit = locate_mask(result, "RAS")
     image = nibabel.Nifti1Image(mask.reshape((1, *mask.shape)[-3:]).transpose(), affine)
-    image.set_sform(affine, _SCANNER_CODE)
-    image.set_qform(affine, _SCANNER_CODE if slant < _MAX_SLANT else 0)
+    geometry = result.geometry or Geometry()
+    image.set_sform(affine, geometry.codes[0])
+    image.set_qform(locate_mask(result, "RAS", Geometry.qform_affine)[0], geometry.codes[1])
     image.header.set_xyzt_units(unit)
     image.header["descrip"] = f"label mask, {PROGRAM_NAME}"
     comment = nibabel.nifti1.Nifti1Extension("comment", dump_provenance(describe_provenance(result)).encode("ascii"))
@@ -47,8 +44,10 @@ def encode_nifti(result: Outcome, *, outlines: bool = False) -> bytes:
     return bytes(image.to_bytes())
 
 
-def locate_mask(result: Outcome, space: Convention) -> tuple[Array, str, float]:
-    """Locate the mask of a result in space, columns first.
+def locate_mask(
+    result: Outcome, space: Convention, to_affine: Callable[[Geometry, Sides, Convention], Array] = Geometry.affine
+) -> tuple[Array, str]:
+    """Locate the mask of a result in space, columns first; by the qform with `Geometry.qform_affine`.
 
     Returns
     -------
@@ -56,13 +55,11 @@ def locate_mask(result: Outcome, space: Convention) -> tuple[Array, str, float]:
         Maps (col, row, plane, 1) to (x, y, z, 1) in `space`.
     unit : str
         Unit of NIfTI.
-    slant : float
-        Deviation of the axes from right angles [degrees].
     """
     unit, factor = _NIFTI_UNITS.get(result.unit or "", ("unknown", 1.0))
     geometry = (result.geometry or Geometry(depth=1.0 / factor)).scaled(factor)
-    affine = geometry.affine(tuple(size * factor for size in result.spacing), space)
-    return affine[:, [2, 1, 0, 3]], unit, geometry.slant
+    affine = to_affine(geometry, tuple(size * factor for size in result.spacing), space)
+    return affine[:, [2, 1, 0, 3]], unit
 
 
 def encode_nifti_gz(result: Outcome, *, outlines: bool = False) -> bytes:

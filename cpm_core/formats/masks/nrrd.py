@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Label
@@ -23,6 +22,7 @@ from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import read_volume
 from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
+from cpm_core.numerics.grids import find_label_boxes
 from cpm_core.numerics.types import Array
 
 
@@ -34,7 +34,7 @@ def encode_nrrd(result: Outcome, *, outlines: bool = False) -> bytes:
     nothing to paint.
     """
     mask = paint_labels(result, outlines=outlines)
-    affine, unit, _ = locate_mask(result, "LPS")
+    affine, unit = locate_mask(result, "LPS")
     head = {
         "type": mask.dtype.name,
         "dimension": "3",
@@ -72,9 +72,9 @@ def _describe_segments(mask: NDArray[np.unsignedinteger], labels: Sequence[Label
         "Segmentation_SourceRepresentation": "Binary labelmap",
         "Segmentation_ReferenceImageExtentOffset": "0 0 0",
     }
-    boxes = scipy.ndimage.find_objects(mask.reshape((1, *mask.shape)[-3:]))
+    boxes = dict(find_label_boxes(mask.reshape((1, *mask.shape)[-3:])))
     for index, label in enumerate(labels):
-        box = boxes[label.number - 1] if label.number <= len(boxes) else None
+        box = boxes.get(label.number)
         sides = [(0, -1)] * 3 if box is None else [(side.start, side.stop - 1) for side in reversed(box)]
         known = {
             "ID": f"Segment_{label.number}",

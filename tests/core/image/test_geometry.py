@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from cpm_core import Image, Result, Surface
 from cpm_core.contours.contour import Contour
 from cpm_core.formats import to_bytes
-from cpm_core.image.geometry import geometry_from_affine
+from cpm_core.image.geometry import freeze_matrix, geometry_from_affine
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.grids import zero_surface
 
@@ -64,16 +64,35 @@ def test_a_label_volume_has_the_matrix_of_its_input(mirrored, unit):
     assert np.array_equal(np.asarray(found.dataobj).T > 0, VALUES > 0)
 
 
-def test_axes_that_are_not_at_right_angles_have_no_rotation():
+def test_axes_that_are_not_at_right_angles_have_the_nearest_rotation_as_qform():
     matrix = affine_of((0, 0, 0), (1.0, 1.0, 2.0))
     matrix[0, 2] = 0.7
     geometry, spacing = geometry_from_affine(matrix, "RAS")
     assert geometry.slant == pytest.approx(np.degrees(np.arctan(0.35)))
     found = nibabel.Nifti1Image.from_bytes(to_bytes(result_in(geometry, spacing), ".nii"))
     np.testing.assert_allclose(found.affine, matrix, atol=1e-6)
-    assert found.get_qform(coded=True)[1] == 0
+    qform, code = found.get_qform(coded=True)
+    assert code == 1
+    left, _, right = np.linalg.svd(matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0))
+    np.testing.assert_allclose(qform[:3, :3] / np.linalg.norm(qform[:3, :3], axis=0), left @ right, atol=1e-6)
     header = nibabel.Nifti1Header.from_fileobj(io.BytesIO(to_bytes(result_in(geometry, spacing), ".nii")), check=False)
     assert header.diagnose_binaryblock(header.binaryblock) == ""
+
+
+@given(TURNS, SIDES, TURNS, st.floats(0.1, 10.0), st.tuples(*[st.integers(-5, 20)] * 3))
+def test_the_matrix_of_a_qform_follows_parts_and_units_as_that_of_the_sform_does(angles, sides, others, factor, first):
+    sform, qform = affine_of(angles, sides), affine_of(others, sides, origin=(3.0, -12.0, 20.0))
+    geometry, spacing = geometry_from_affine(sform, "RAS")
+    assert np.array_equal(geometry.qform_affine(spacing), geometry.affine(spacing))
+    geometry = replace(geometry, to_qform=freeze_matrix(qform @ np.linalg.inv(sform)))
+    part = geometry.starting_at(first, spacing).scaled(factor)
+    size = np.diag([factor, factor, factor, 1.0])
+    sides = tuple(factor * side for side in spacing)
+    for seen, matrix in ((part.affine, sform), (part.qform_affine, qform)):
+        wanted = size @ matrix
+        wanted[:3, 3] += wanted[:3, :3] @ first[::-1]
+        np.testing.assert_allclose(seen(sides)[:, [2, 1, 0, 3]], wanted, atol=1e-8)
+        np.testing.assert_allclose(seen(sides, "LPS"), np.diag([-1, -1, 1, 1]) @ seen(sides))
 
 
 @pytest.mark.parametrize("mirrored", [False, True])

@@ -399,7 +399,7 @@ def _read_truth(file: Path, image: Image, holes: bool) -> ComparisonRow:
     """Read the ground truth of an image, or of a volume with everything that its slices need."""
     truth: Truth | VolumeTruth
     if image.ndim == 2:
-        truth = load_truth(file, image.shape, holes=holes, spacing=image.spacing, unit=image.unit)
+        truth = load_truth(file, image.shape, holes=holes, spacing=image.spacing, unit=image.unit, name=image.source)
         contours, surface = truth.contours, None
     else:
         truth = load_volume_truth(file, image)

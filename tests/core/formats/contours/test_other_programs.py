@@ -17,7 +17,11 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core import Image
 from cpm_core.contours.rasterize import rasterize_labels
+from cpm_core.formats import to_bytes
 from cpm_core.formats.contour_file import decode_contours, describe_plane, load_contours
+from cpm_core.formats.contours.contents import PlaneInfo
+from cpm_core.formats.ground_truth_file import load_truth
+from cpm_core.results import boundaries_result
 
 NEAR = 0.02
 """Distance up to which lines stand for curves [px]."""
@@ -118,6 +122,11 @@ def test_sets_of_selections_tell_names_colors_pages_and_what_else_they_hold():
 # QuPath
 
 
+def qupath(properties):
+    ring = [[1, 1], [9, 1], [9, 9], [1, 1]]
+    return {"type": "Feature", "properties": properties, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+
+
 @pytest.mark.parametrize(
     ("properties", "name", "shade"),
     [
@@ -128,10 +137,26 @@ def test_sets_of_selections_tell_names_colors_pages_and_what_else_they_hold():
     ],
 )
 def test_classes_and_colors_of_qupath_are_read(properties, name, shade):
-    ring = [[1, 1], [9, 1], [9, 9], [1, 1]]
-    feature = {"type": "Feature", "properties": properties, "geometry": {"type": "Polygon", "coordinates": [ring]}}
-    contour = only(feature, "a.geojson")
+    contour = only(qupath(properties), "a.geojson")
     assert (contour.name, contour.color) == (name, shade)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"names": ["Tumor", "Positive"]}, {"name": "Tumor: Positive"}, ["Tumor", "Positive"], "Tumor: Positive"],
+)
+def test_derived_classes_of_qupath_are_read_and_written_back(given):
+    one = only(qupath({"classification": given}), "a.geojson")
+    assert (one.name, one.category) == ("Tumor: Positive", "Tumor: Positive")
+    written = json.loads(to_bytes(boundaries_result((40, 40), "a", contours=(one,)), ".geojson"))
+    assert written["features"][0]["properties"]["classification"]["name"] == "Tumor: Positive"
+
+
+def test_the_nucleus_of_a_cell_of_qupath_is_told():
+    cell = qupath({}) | {"nucleusGeometry": qupath({})["geometry"]}
+    found = read({"type": "FeatureCollection", "features": [cell, cell]}, "a.geojson")
+    assert len(found.contours) == 2
+    assert found.notes == ("Left out: nucleus of a cell (2).",)
 
 
 # COCO
@@ -174,6 +199,76 @@ def test_polygons_of_coco_are_read_and_other_images_told():
         "The file has instances of 2 images: those of a.png were read.",
         "Left out: instance without an outline (1).",
     )
+
+
+IMAGES = [
+    {"id": 11, "file_name": "train\\A 1.png", "height": 40, "width": 50},
+    {"id": 12, "file_name": "train/b.tif", "height": 40, "width": 50, "extra": {"name": "before.jpg"}},
+    {"id": "13", "file_name": "train/c.png", "height": 30, "width": 50},
+    {"id": 139},
+    {"id": 14, "file_name": "x/twice.png"},
+    {"id": 15, "file_name": "y/twice.png"},
+    {"id": 16, "file_name": "empty.png"},
+]
+"""Images of one file; each but the last has an instance whose first column is its place among them."""
+
+
+def of_image(name, shape=(40, 50), images=IMAGES):
+    """First column in the instances of an image, and the notes."""
+    entries = [
+        {"id": k, "image_id": image["id"], "segmentation": [[k + 0.5, 1, k + 9, 1, k + 9, 9]]}
+        for k, image in enumerate(images)
+        if image["id"] != 16
+    ]
+    content = json.dumps({"images": images, "annotations": entries}).encode()
+    found = decode_contours(content, "many.json", PlaneInfo(shape, name=name))
+    return found.contours[0].points[:, 1].min(), found.notes
+
+
+@pytest.mark.parametrize(
+    ("name", "place"),
+    [("A 1.png", 0), ("a 1.PNG", 0), ("b.tif", 1), ("b.nii", 1), ("before.jpg", 1), ("000139.jpg", 3)],
+)
+def test_of_the_images_in_a_coco_file_that_at_hand_is_read(name, place):
+    assert of_image(name) == (place, ())
+
+
+def test_the_only_image_of_the_size_is_told_where_none_has_the_name():
+    assert of_image("other.png", (30, 50), IMAGES[:3]) == (
+        2,
+        ("Its instances are those of train/c.png, not of other.png.",),
+    )
+    assert of_image("other.png", images=IMAGES[:1])[1] == (
+        "Its instances are those of train\\A 1.png, not of other.png.",
+    )
+
+
+def test_another_size_under_the_name_is_told():
+    assert of_image("c.png") == (2, ("Its image has 30 x 50 px, this one 40 x 50 px.",))
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("other.png", "such as train.*1.png, but none named other.png"),
+        ("twice.png", "has 2 images named twice.png"),
+        ("empty.png", "but none of empty.png"),
+    ],
+)
+def test_coco_files_that_do_not_tell_the_image_at_hand_are_refused(name, said):
+    with pytest.raises(ValueError, match=said):
+        of_image(name)
+
+
+def test_the_truth_is_that_of_the_image_at_hand(tmp_path):
+    file = tmp_path / "many.json"
+    entry = {"id": 1, "image_id": 12, "segmentation": [[5, 5, 15, 5, 15, 15, 5, 15]]}
+    file.write_text(json.dumps({"images": IMAGES, "annotations": [{**entry, "image_id": 11}, entry]}))
+    notes = []
+    assert (load_truth(file, (40, 50), name="b.tif", warn=notes.append).labels > 0).sum() == 100
+    assert notes == []
+    load_truth(file, (40, 50), warn=notes.append)
+    assert "2 images" in notes[0]
 
 
 # labelme

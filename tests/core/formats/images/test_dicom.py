@@ -440,3 +440,23 @@ def test_slices_in_a_fan_are_no_volume_and_the_sentence_says_why(tmp_path):
     with pytest.raises(ValueError, match="Its 12 images have 12 different sizes, directions or series"):
         load_volume(tmp_path)
     assert load_image(tmp_path).shape == VALUES.shape[1:]
+
+
+@pytest.mark.parametrize("step", [3.0, -3.0])
+@pytest.mark.parametrize("vector", [range(1, 11), range(10, 0, -1)], ids=["up", "down"])
+def test_the_place_of_slices_of_nuclear_medicine_is_that_of_the_detector(tmp_path, step, vector):
+    detector = pydicom.Dataset()
+    detector.ImagePositionPatient, detector.ImageOrientationPatient = [-76, -70, 100], [1, 0, 0, 0, 1, 0]
+    found = dataset(VALUES, ImagePositionPatient=None, ImageOrientationPatient=None, SpacingBetweenSlices=step)
+    found.NumberOfFrames, found.FrameIncrementPointer, found.SliceVector = len(VALUES), 0x00540080, list(vector)
+    found.DetectorInformationSequence = [detector]
+    found.save_as(tmp_path / "a.dcm", enforce_file_format=True)
+    volume = load_volume(tmp_path / "a.dcm")
+    if vector[0] > 1:  # against the standard, so that it is not known which slice lies there
+        assert volume.geometry is None
+        return
+    first = 0 if step > 0 else -1  # planes lie in the order of their normal
+    assert np.array_equal(volume.values[first], VALUES[0])
+    assert volume.spacing == (3.0, 0.75, 0.5)
+    assert volume.geometry.origin == (-76, -70, 100 if step > 0 else 100 + 9 * step)
+    assert volume.geometry.letters == ("S", "P", "L")

@@ -4,8 +4,10 @@ import nibabel
 import nrrd
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from cpm_core import Result, Surface, export, load_image, load_volume
+from cpm_core.formats.surface_file import load_surface
 from cpm_core.numerics.grids import zero_surface
 
 from .made import VALUES, affine, write_nifti
@@ -142,3 +144,56 @@ def test_a_slope_and_an_intercept_make_hounsfield_units(tmp_path):
     volume = load_volume(tmp_path / "a.nii")
     assert volume.is_ct
     assert np.array_equal(volume.values, np.asarray(nibabel.load(tmp_path / "a.nii").dataobj).T)
+
+
+OTHER = affine(
+    turn=Rotation.from_euler("xyz", (25.0, -30.0, 100.0), degrees=True).as_matrix(), origin=(3.0, -12.0, 20.0)
+)
+SHEARED = affine() @ np.array([[1, 0, 0.3, 0], [0, 1, 0.1, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+
+
+def write_labels(folder, sform, qform, codes):
+    """An image with two matrices, and the label volumes that belong to it."""
+    values = np.zeros(VALUES.shape, np.int16)
+    values[3:7, 2:9, 4:12] = 5
+    image = nibabel.Nifti1Image(values.T, affine())
+    image.set_sform(sform, codes[0])
+    image.set_qform(qform, codes[1])
+    image.header.set_xyzt_units("mm")
+    header = image.header
+    nibabel.save(nibabel.Nifti1Image(values.T, None, header), folder / "a.nii.gz")
+    volume = load_volume(folder / "a.nii.gz")
+    surface = load_surface(folder / "a.nii.gz", volume)
+    place = volume.shape, volume.spacing, volume.unit, volume.source
+    result = Result(np.zeros((0, 3)), (), surface, 1, True, "at rest", *place, image=volume)
+    export(result, folder / "l.nii.gz", folder / "l.nrrd")
+    return volume, nibabel.load(folder / "a.nii.gz"), nibabel.load(folder / "l.nii.gz")
+
+
+@pytest.mark.parametrize("codes", [(1, 1), (2, 1), (4, 3), (0, 2), (3, 0), (0, 0)])
+@pytest.mark.parametrize("sform", [affine(), OTHER, SHEARED], ids=["same", "turned", "sheared"])
+def test_labels_have_both_matrices_and_their_codes(tmp_path, sform, codes):
+    volume, known, written = write_labels(tmp_path, sform, affine(), codes)
+    for name in ("get_sform", "get_qform"):
+        (wanted, code), (found, own) = (getattr(one, name)(coded=True) for one in (known, written))
+        assert own == code
+        if code:
+            np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-4)
+    np.testing.assert_allclose(written.affine, known.affine, rtol=0, atol=1e-4)
+    assert np.array_equal(np.asarray(written.dataobj) > 0, np.asarray(known.dataobj) > 0)
+    differ = min(codes) > 0 and not np.allclose(sform, affine())
+    assert any("Its sform and its qform lie up to" in note for note in volume.notes) == differ
+
+
+def test_a_plane_of_a_volume_with_two_matrices_lies_where_both_have_it(tmp_path):
+    write_labels(tmp_path, OTHER, affine(), (1, 1))
+    plane = load_image(tmp_path / "a.nii.gz", page=4)
+    for seen, wanted in ((plane.geometry.affine, OTHER), (plane.geometry.qform_affine, affine())):
+        np.testing.assert_allclose(seen(plane.spacing)[:, 3], wanted @ [0, 0, 3, 1], atol=1e-4)
+
+
+def test_a_size_that_is_given_leaves_both_places_of_the_first_voxel(tmp_path):
+    write_labels(tmp_path, OTHER, affine(), (1, 1))
+    volume = load_volume(tmp_path / "a.nii.gz", spacing=(1.0, 1.0, 1.0), unit="mm")
+    np.testing.assert_allclose(volume.geometry.affine(volume.spacing)[:, 3], OTHER[:, 3], atol=1e-4)
+    np.testing.assert_allclose(volume.geometry.qform_affine(volume.spacing)[:, 3], affine()[:, 3], atol=1e-4)

@@ -7,9 +7,12 @@ import nibabel
 import nrrd
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from cpm_core import Contour, Geometry, Image, Result, export, load_surface
 from cpm_core.contours import Label, join_surfaces, label_voxels
+from cpm_core.contours.ground_truth import label_gray_levels, number_gray_levels
 from cpm_core.contours.surface import surface_from_labels
 
 from ..images.made import write_metaimage
@@ -172,3 +175,74 @@ def test_every_reader_gives_the_numbers_and_a_text_next_to_it_the_names(tmp_path
     surface = load_surface(tmp_path / name, VOLUME)
     assert np.array_equal(label_voxels(surface, SHAPE), LABELS)
     assert surface.labels == (Label(3, "kidney", "#ff8000"), Label(7, "vein", "#0010ff"))
+
+
+ATLAS = 614_454_277
+"""Largest label of a brain atlas."""
+
+
+@pytest.mark.parametrize("name", ["a.nii.gz", "a.seg.nrrd"])
+def test_labels_of_a_brain_atlas_are_read_and_written_with_their_names(tmp_path, name):
+    large = np.where(LABELS == 7, ATLAS, LABELS).astype(np.int32)
+    nibabel.Nifti1Image(large.T, VOLUME.geometry.affine(SPACING, "RAS")[:, [2, 1, 0, 3]]).to_filename(
+        tmp_path / "l.nii"
+    )
+    (tmp_path / "l.txt").write_text(
+        f'3 255 128 0 1 1 1 "kidney"\n{ATLAS} 0 16 255 1 1 1 "vein"\n5 0 0 0 1 1 1 "none"\n'
+    )
+    surface = load_surface(tmp_path / "l.nii", VOLUME)
+    export(
+        replace(result(), surface=replace(surface, labels=tuple(replace(one, color="") for one in surface.labels))),
+        tmp_path / name,
+    )
+    back = load_surface(tmp_path / name, VOLUME)
+    assert np.array_equal(label_voxels(back, SHAPE), large)
+    assert {one.number: one.name for one in back.labels} == {3: "kidney", ATLAS: "vein", 5: "none"}
+    assert len({one.color for one in back.labels}) == 3
+    table = replace(result(), surface=back).table()
+    assert table["label"].tolist() == [3, ATLAS]
+    assert table["volume"].tolist() == [(large == 3).sum(), (large == ATLAS).sum()]
+
+
+@given(
+    st.sets(st.integers(1, 2**31 - 1), min_size=1, max_size=6),
+    st.floats(-9e-4, 9e-4),
+    st.sampled_from([0, 0, -3, -1024]),
+)
+@settings(max_examples=60, deadline=None)
+def test_whole_labels_keep_their_numbers_also_off_by_the_slope_of_a_file(numbers, off, background):
+    labels = np.repeat([0, *numbers], 5).reshape(1, -1, 1)
+    stored = np.where(labels > 0, labels * 1.0 + off, background)
+    found, whole = number_gray_levels(stored, "a")
+    assert whole
+    assert np.array_equal(found, labels)
+
+
+@given(st.lists(st.sampled_from([-2, -1, 0, 0, 1, 4, 614_454_277]), min_size=2, max_size=40))
+@settings(max_examples=60, deadline=None)
+def test_no_label_below_0_becomes_an_object_or_the_background_of_others(values):
+    stored = np.repeat(values, 3).reshape(1, -1, 1)
+    there = sorted(set(values))
+    for read in (label_gray_levels, number_gray_levels):
+        if len(there) < 2:
+            continue
+        if there[1] <= 0:
+            with pytest.raises(ValueError, match=f"has the label {there[0]}, and none may be below 0"):
+                read(stored, "a")
+        else:
+            read(stored, "a")
+
+
+def test_names_do_not_belong_to_ranks(tmp_path):
+    np.save(tmp_path / "a.npy", np.where(LABELS == 7, 2.5, LABELS))
+    (tmp_path / "a.txt").write_text('1 255 128 0 1 1 1 "one"\n2 0 16 255 1 1 1 "two"\n')
+    notes = []
+    surface = load_surface(tmp_path / "a.npy", VOLUME, warn=notes.append)
+    assert surface.labels == ()
+    assert "no whole numbers" in notes[0]
+
+
+@pytest.mark.parametrize("levels", [(0.0, 0.003, 0.006), (0.0, 0.4, 1.0), (0.0, 0.05, 1.0), (1e-5, 2e-5, 3e-5)])
+def test_gray_levels_that_are_no_numbers_of_labels_stay_apart(levels):
+    stored = np.repeat(levels, 4).reshape(1, -1, 1)
+    assert np.array_equal(label_gray_levels(stored, "a").ravel(), np.repeat([0, 1, 2], 4))
