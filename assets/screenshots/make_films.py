@@ -175,7 +175,7 @@ class Film:
         self.click(menu, menu.actionGeometry(action).center())
 
     def answer(self, name: str) -> None:
-        """Type a name into the file dialog that is about to open, and press Enter."""
+        """Answer the file dialog that is about to open with a name, unseen: it shows a temporary folder."""
         dialog = QApplication.activeModalWidget()
         if not isinstance(dialog, QFileDialog):
             QTimer.singleShot(50, partial(self.answer, name))
@@ -184,7 +184,6 @@ class Film:
         assert field is not None
         field.setText(name)
         self._pressed = False
-        self.frame(900)
         QTest.keyClick(field, Qt.Key.Key_Return)
 
     def slide(self, name: str, *values: float) -> None:
@@ -410,11 +409,9 @@ def _work_through(film: Film) -> None:
             film.hold(0.8)
         film.key(Qt.Key.Key_Return, "Ctrl+Enter", Qt.KeyboardModifier.ControlModifier, milliseconds)
     film.settle()
-    film.hold(0.6)
+    film.hold(1.5)
     film.answer("plate_objects.csv")
     film.click_menu("export_all_images")
-    film.settle()
-    film.hold(2.0)
 
 
 FILMS: Mapping[str, Callable[[Film], None]] = {

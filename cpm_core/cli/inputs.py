@@ -13,14 +13,14 @@ from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
     CONTOURS_READABLE,
-    IMAGES_READABLE,
+    is_image_name,
     load_centerlines,
     load_surface,
     natural_sort_key,
 )
 from cpm_core.formats.contour_file import describe_plane, read_contours
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
-from cpm_core.formats.images.dicom import holds_dicom_series
+from cpm_core.formats.images.dicom import holds_dicom_series, holds_dicom_series_below
 from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.sessions.session_file import SessionFile, adapt_reading, find_session_image, load_session
 from cpm_core.image.colors import LUMINANCE_NOTE
@@ -68,9 +68,11 @@ def _list_images_in_folder(folder: Path) -> list[str]:
     if holds_dicom_series(folder) or is_zarr(folder):
         return [str(folder)]
     try:
-        inside = [entry for entry in folder.iterdir() if entry.suffix.lower() in IMAGES_READABLE and entry.is_file()]
+        inside = [entry for entry in folder.iterdir() if is_image_name(entry.name) and entry.is_file()]
     except OSError as error:
         raise ValueError(f"{folder} cannot be read: {error.strerror or error}.") from error
+    if not inside and holds_dicom_series_below(folder):
+        return [str(folder)]
     if not inside:
         raise ValueError(f"{folder} is a folder without images: choose another one, or name a file.")
     return sorted(map(str, inside), key=natural_sort_key)

@@ -43,6 +43,7 @@ from cpm_core.formats.contours.points_csv import load_points as load_points
 from cpm_core.formats.images.dicom import find_sibling_dicom_files as find_sibling_dicom_files
 from cpm_core.formats.images.readers import IMAGES_READABLE as IMAGES_READABLE
 from cpm_core.formats.images.readers import holds_volume as holds_volume
+from cpm_core.formats.images.readers import is_image_name as is_image_name
 from cpm_core.formats.images.readers import load_image as load_image
 from cpm_core.formats.images.readers import load_pages as load_pages
 from cpm_core.formats.images.readers import load_volume as load_volume

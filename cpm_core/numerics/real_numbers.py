@@ -23,7 +23,7 @@ _MIN_VOXEL_SIDE = 1e-12
 _MAX_VOXEL_SIDE = 1e12
 """Greatest side of a voxel, in any unit."""
 
-_MAX_SIDE_RATIO = 1000
+MAX_SIDE_RATIO = 1000
 """Greatest ratio of two sides of a voxel."""
 
 
@@ -93,10 +93,10 @@ def check_voxel_sides(name: str, values: ArrayLike) -> Array:
             f"{name} is {quote_value(values)} but must be three numbers from {_MIN_VOXEL_SIDE:g} to "
             f"{_MAX_VOXEL_SIDE:g}, (plane, row, col): choose another unit."
         )
-    if sides.max() > _MAX_SIDE_RATIO * sides.min():
+    if sides.max() > MAX_SIDE_RATIO * sides.min():
         raise ValueError(
             f"{name} is {quote_value(values)}, (plane, row, col), which makes a side of a voxel more than "
-            f"{_MAX_SIDE_RATIO} times as long as another: correct it."
+            f"{MAX_SIDE_RATIO} times as long as another: correct it."
         )
     return sides
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+import os
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import islice
@@ -36,6 +37,9 @@ _FIRST_GROUPS = (b"\x08\x00", b"\x02\x00")
 
 _MAX_FIRST_ENTRY = 64
 """Largest first entry of a file whose entries do not state their type [bytes]."""
+
+_MAX_FILES_BELOW = 20_000
+"""Largest number of files in the folders below one that is searched for series."""
 
 _JPEG_SYNTAX_PREFIX = "1.2.840.10008.1.2.4."
 """Prefix of the transfer syntaxes of the JPEG family."""
@@ -71,6 +75,11 @@ def holds_dicom_series(folder: Path) -> bool:
     return bool(_list_dicom_files(folder, max_count=1))
 
 
+def holds_dicom_series_below(folder: Path) -> bool:
+    """Return whether a folder below a folder holds a DICOM file; False for a file."""
+    return any(True for _ in _find_dicom_files_below(folder))
+
+
 def find_sibling_dicom_files(path: Path, max_count: int) -> list[Path]:
     """List up to `max_count` DICOM files in the folder of a DICOM file; none for other files or folders."""
     return _list_dicom_files(path.parent, max_count) if is_dicom(path) else []
@@ -83,6 +92,22 @@ def _list_dicom_files(folder: Path, max_count: int | None = None) -> list[Path]:
     except OSError:
         return []
     return list(islice((path for path in paths if not path.name.startswith(".") and is_dicom(path)), max_count))
+
+
+def _find_dicom_files_below(folder: Path) -> Iterator[Path]:
+    """Find the DICOM files in the folders below a folder, as on the CD of a patient, in the order of their names.
+
+    UnreadableError when there are so many files that it is no such folder.
+    """
+    count = 0
+    for place, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        count += len(files)
+        if count > _MAX_FILES_BELOW:
+            raise UnreadableError(
+                f"{folder.name} has more than {_MAX_FILES_BELOW} files in the folders below it: choose one of these."
+            )
+        yield from (path for name in sorted(files) if not name.startswith(".") and is_dicom(path := Path(place, name)))
 
 
 def is_dicom(path: Path) -> bool:
@@ -124,19 +149,45 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
 
 
 def read_frames(path: Path) -> tuple[list[DicomFrame], int]:
-    """Read the frames of a file, or of all files of a folder, and count the damaged files."""
+    """Read the frames of a file, or of all files of a folder, and count the damaged files.
+
+    A folder without any, and a DICOMDIR, stand for all files in the folders below.
+    """
     import pydicom  # only here, because it takes long to import
+
+    if path.is_file():
+        frames = read_file_frames(pydicom, path)
+        if frames or not _is_directory_of_files(path):
+            return frames, 0
+        folder = path.parent
+    else:
+        folder = path
+        frames, damaged = _read_frames_of(_list_dicom_files(folder))
+        if frames:
+            return frames, damaged
+    return _read_frames_of(_find_dicom_files_below(folder))
+
+
+def _read_frames_of(files: Iterable[Path]) -> tuple[list[DicomFrame], int]:
+    """Read the frames of files, and count the damaged files."""
+    import pydicom
 
     frames: list[DicomFrame] = []
     damaged = 0
-    for file in _list_dicom_files(path) if path.is_dir() else [path]:
+    for file in files:
         try:
             frames += read_file_frames(pydicom, file)
         except Exception:
-            if path.is_file():
-                raise
             damaged += 1
     return frames, damaged
+
+
+def _is_directory_of_files(path: Path) -> bool:
+    """Return whether a DICOM file is a DICOMDIR, which lists the files of a medium."""
+    import pydicom
+
+    known = pydicom.dcmread(path, force=True, specific_tags=["FileSetID"]).file_meta
+    return known.get("MediaStorageSOPClassUID") == pydicom.uid.MediaStorageDirectoryStorage
 
 
 def decode_frames(name: str, frames: Sequence[DicomFrame]) -> DecodedImage:

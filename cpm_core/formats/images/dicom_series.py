@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.stack import Stack
@@ -23,7 +24,8 @@ _ORDERING_TAGS = ("TemporalPositionIdentifier", "AcquisitionNumber", "EchoNumber
 _HEADER_TAGS = (
     *("SeriesInstanceUID", "SeriesNumber", "SeriesDescription", "Modality", *_ORDERING_TAGS),
     *("Rows", "Columns", "NumberOfFrames", "SamplesPerPixel", "BitsAllocated"),
-    *("PixelSpacing", "ImagerPixelSpacing", "NominalScannedPixelSpacing", "SequenceOfUltrasoundRegions"),
+    *("PixelSpacing", "ImagerPixelSpacing", "NominalScannedPixelSpacing", "PixelAspectRatio"),
+    "SequenceOfUltrasoundRegions",
     *("SliceThickness", "SpacingBetweenSlices", "ImagePositionPatient", "ImageOrientationPatient"),
     *("SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence", "GridFrameOffsetVector"),
     *("DetectorInformationSequence", "SliceVector"),
@@ -43,8 +45,14 @@ _MAX_UNEVENNESS = 0.02
 _MAX_SLICE_SHIFT = 0.5
 """Largest distance of slices from the line through the first and the last one [smallest side of a pixel]."""
 
-_COMPARED_DECIMALS = 4
-"""Decimals to which directions and pixel sizes are compared: some programs write six digits, some all."""
+_SAME_DIRECTION = 1e-3
+"""Largest difference of directions in a series: some programs write six digits, some round in each slice."""
+
+_SAME_SIZE = 1e-4
+"""Largest difference of pixel sizes in a series, in their unit."""
+
+_TIME_POINTERS = (0x00181063, 0x00181065, 0x00540030, 0x00540070, 0x00540100)
+"""Tags for time that may set the frames of a file apart: frame time and its vector; phase, time slot, time slice."""
 
 
 @record
@@ -70,7 +78,7 @@ class DicomFrame:
     directions : ndarray, shape (2, 3), or None
         Unit vectors from a column to the next, and from a row to the next.
     spacing : tuple of float or None
-        Size of a pixel along (row, col), in `unit`.
+        Size of a pixel along (row, col), in `unit`, or without a unit their ratio.
     unit : str or None
         Unit of length.
     thickness : float or None
@@ -166,7 +174,7 @@ def _build_frame(path: Path, index: int, header: Any, own: list[Any], count: int
         notes,
         _parse_number(find_value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
         _parse_number(find_value("RescaleIntercept", "PixelValueTransformationSequence")),
-        count > 1 and not own and origin is None and ("FrameTime" in header or "FrameIncrementPointer" in header),
+        count > 1 and not own and origin is None and _is_time_series(header),
         header.get("Modality") == "CT"
         and find_value("RescaleIntercept", "PixelValueTransformationSequence") is not None
         and find_value("RescaleType", "PixelValueTransformationSequence") in (None, "", "HU"),
@@ -187,7 +195,19 @@ def _parse_pixel_spacing(header: Any, given: Any) -> tuple[tuple[float, float] |
         units = {region.get(f"PhysicalUnits{axis}Direction") for axis in "YX"}
         if units == {_UNIT_CENTIMETER} and min(row, col) > 0.0:
             regions.add((row, col))
-    return (regions.pop(), "cm", ()) if len(regions) == 1 else (None, None, ())
+    if len(regions) == 1:
+        return regions.pop(), "cm", ()
+    ratio = _parse_numbers(header.get("PixelAspectRatio"), 2)  # height to width
+    return ((float(ratio[0] / ratio[1]), 1.0) if ratio is not None and min(ratio) > 0.0 else None), None, ()
+
+
+def _is_time_series(header: Any) -> bool:
+    """Return whether the file says that its frames differ in time."""
+    pointer = header.get("FrameIncrementPointer")
+    if pointer is None or pointer == "":
+        return "FrameTime" in header
+    named = {int(tag) for tag in (pointer if isinstance(pointer, Iterable) else [pointer])}
+    return not named.isdisjoint(_TIME_POINTERS)
 
 
 def _parse_directions(turn: Array | None) -> Array | None:
@@ -221,24 +241,38 @@ def group_series(frames: Sequence[DicomFrame], name: str, decode: DecodeFrames) 
     Frames of a series share image size, orientation and pixel size. Its longest evenly spaced part comes first,
     followed by all other such parts.
     """
-    groups: dict[tuple[object, ...], list[DicomFrame]] = {}
+    groups: list[list[DicomFrame]] = []
     for frame in frames:
-        along = (
-            None
-            if frame.directions is None
-            else tuple(np.round(frame.directions.ravel(), _COMPARED_DECIMALS - 1).tolist())
-        )
-        spacing = None if frame.spacing is None else tuple(round(side, _COMPARED_DECIMALS) for side in frame.spacing)
-        kind = (frame.series, frame.shape, along, spacing, frame.origin is None)
-        groups.setdefault(kind, []).append(frame)
+        group = next((one for one in groups if _match_frames(one[0], frame)), None)
+        if group is None:
+            groups.append([frame])
+        else:
+            group.append(frame)
     found = []
-    for group in groups.values():
+    for group in groups:
         group.sort(key=lambda frame: frame.sort_key)
         if group[0].origin is None or group[0].directions is None:
             found.append(list(_stack_without_positions(group, name, decode)))
         else:
             found += [list(_stack_by_position(part, name, decode)) for part in _split_acquisitions(group)]
     return found
+
+
+def _match_frames(one: DicomFrame, other: DicomFrame) -> bool:
+    """Return whether two frames belong to one series and have the same size, directions and size of a pixel."""
+    return (
+        (one.series, one.shape, one.unit, one.origin is None)
+        == (other.series, other.shape, other.unit, other.origin is None)
+        and _are_close(one.directions, other.directions, _SAME_DIRECTION)
+        and _are_close(one.spacing, other.spacing, _SAME_SIZE)
+    )
+
+
+def _are_close(one: ArrayLike | None, other: ArrayLike | None, tolerance: float) -> bool:
+    """Return whether both are missing, or differ by no more than a tolerance."""
+    if one is None or other is None:
+        return one is other
+    return bool(np.abs(np.subtract(one, other)).max() <= tolerance)
 
 
 def _split_acquisitions(frames: list[DicomFrame]) -> list[list[DicomFrame]]:

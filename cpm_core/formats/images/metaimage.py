@@ -13,7 +13,7 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images.nrrd import build_stack
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import Stack, check_memory, find_data_file
+from cpm_core.formats.images.stack import Stack, check_memory, decode_header_line, find_data_file
 from cpm_core.numerics.types import JsonDict, Numbers
 
 FILE_KINDS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
@@ -47,11 +47,17 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
     letter = "f" if named in ("FLOAT", "DOUBLE") else "u" if named.startswith("U") else "i"
     kind = np.dtype(f"{'>' if msb_first else '<'}{letter}{_ELEMENT_SIZES[named.removeprefix('U')]}")
     packed = _is_true(entries.get("compresseddata", ""))
+    as_text = not _is_true(entries.get("binarydata", "True"))
     file = path
     if entries["elementdatafile"].upper() != "LOCAL":
         file, begin = find_data_file(path, entries["elementdatafile"]), int(entries.get("headersize", "0"))
 
     def read_values() -> Numbers:
+        if as_text:
+            check_memory(shape, kind.itemsize, name)
+            with file.open("rb") as stream:
+                stream.seek(max(begin, 0))
+                return np.array(stream.read().split(), kind).reshape(shape, order="F")
         if packed:
             check_memory(shape, kind.itemsize, name)
             content = zlib.decompress(file.read_bytes()[max(begin, 0) :], zlib.MAX_WBITS | 32)  # zlib or gzip
@@ -72,7 +78,7 @@ def _read_metaimage_header(path: Path) -> tuple[dict[str, str], int]:
     with path.open("rb") as stream:
         while stream.tell() < _MAX_HEADER_SIZE:
             line = stream.readline(_MAX_HEADER_SIZE)
-            name, equals, value = line.decode("latin-1").partition("=")
+            name, equals, value = decode_header_line(line).partition("=")
             if not equals:
                 break
             entries[name.strip().lower()] = value.strip()
@@ -106,7 +112,7 @@ def _convert_position(entries: dict[str, str], axes: int) -> JsonDict:
         first[:count] = origin[:count]
     place: JsonDict = {"space directions": [None, *(along * spacing[:, None]), None]}
     if sides is not None:
-        place["space units"] = [entries.get("distanceunits", "mm"), "mm"]
+        place["space units"] = 3 * [entries.get("distanceunits", "mm").strip("?") or "mm"]
     if origin is not None or matrix is not None:
         place |= {"space": "LPS", "space origin": first}
     return place

@@ -20,12 +20,12 @@ from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images.decoded import DecodedImage, decode_bands
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.resolution import find_unit
-from cpm_core.formats.images.stack import Stack, position_from_affine
+from cpm_core.formats.images.stack import Stack, find_values_of_pair, position_from_affine
 from cpm_core.image.geometry import Geometry, Triple, freeze_matrix
 from cpm_core.numerics.types import Texts
 from cpm_core.parameters.formatting import quote_value
 
-FILE_KINDS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
+FILE_KINDS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed"}
 
 _GZIP_MAGIC = b"\x1f\x8b"
 """First bytes of a gzip file."""
@@ -152,6 +152,7 @@ def _open_volume(path: Path) -> Iterator[Any]:
             raise ValueError("it has no mark of the format")
         reader = getattr(nibabel, kind)
         if kind.endswith("Pair"):
+            find_values_of_pair(path)
             yield reader.from_filename(path)
             return
         holder = nibabel.fileholders.FileHolder(fileobj=stream)

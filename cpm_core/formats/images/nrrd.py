@@ -14,7 +14,14 @@ from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import DecodedImage, decode_bands
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import Stack, VolumePosition, check_memory, find_data_file, position_from_affine
+from cpm_core.formats.images.stack import (
+    Stack,
+    VolumePosition,
+    check_memory,
+    decode_header_line,
+    find_data_file,
+    position_from_affine,
+)
 from cpm_core.numerics.types import Array, Numbers
 from cpm_core.parameters.formatting import quote_value
 
@@ -51,12 +58,12 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
 
     name = make_printable(path.name)
     with path.open("rb") as stream:
-        header = nrrd.read_header(stream)
+        header = nrrd.read_header(map(decode_header_line, iter(stream.readline, b"")))  # pynrrd makes m of µm
         begin = stream.tell()
     itemsize = np.dtype(nrrd.reader._TYPEMAP_NRRD2NUMPY[header["type"]]).itemsize
     named = next((key for key in ("data file", "datafile") if key in header), None)
     if named is not None:
-        header[named] = str(find_data_file(path, str(header[named])))
+        header[named] = str(find_data_file(path, str(header[named])).absolute())  # pynrrd seeks others by the header
 
     def read_values() -> Numbers:
         check_memory(tuple(map(int, header["sizes"])), itemsize, name)
@@ -131,25 +138,26 @@ def _assign_roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
 
 def _parse_position(header: Any, roles: dict[str, int]) -> VolumePosition:
     """Parse voxel size and position from a header."""
-    axes = [roles[role] for role in ("col", "row", "plane") if role in roles]
-    vectors, own = header.get("space directions"), list(header.get("units", []))
-    named = [*(own[axis] for axis in axes if axis < len(own) and vectors is None), *header.get("space units", [])]
-    unit = next((known for known in map(resolution.find_unit, map(str, named)) if known), None)
+    axes = [roles[role] for role in ("plane", "row", "col") if role in roles]
+    vectors, world = header.get("space directions"), [*map(str, header.get("space units", [])), "", "", ""][:3]
     if vectors is None:
-        given = header.get("spacings", [math.nan] * len(header["sizes"]))
-        sides = [abs(float(given[axis])) for axis in axes]
+        given, own = header.get("spacings", [math.nan] * len(header["sizes"])), header.get("units", [])
+        units = [str(own[axis]) if axis < len(own) else world[-1] for axis in axes]
+        sides, unit = resolution.spacing_from_sizes([abs(float(given[axis])) for axis in axes], units)
     else:
-        along: Array = np.array([vectors[axis] for axis in axes], float)[:, :3]
-        sides = np.linalg.norm(along, axis=1).tolist()
+        scale, unit = resolution.spacing_from_sizes((1.0, 1.0, 1.0), world)
+        along: Array = np.array([vectors[axis] for axis in axes], float)[:, :3] * scale
+        sides = tuple(np.linalg.norm(along, axis=1).tolist())
     if not all(math.isfinite(side) and side > 0.0 for side in sides):
         return (1.0, 1.0, 1.0), None, None, ()
-    col, row, plane = (*sides, 1.0)[:3]
+    plane, row, col = (1.0, *sides)[-3:]
     space = str(header.get("space", "")).lower().removesuffix("-time")
     space = _SPACE_CONVENTIONS.get(space, space.upper())
     if vectors is None or along.shape != (3, 3) or space not in _SPACE_CONVENTIONS.values():
         return (plane, row, col), unit, None, ()
     affine = np.eye(4)
-    affine[:3, :3], affine[:3, 3] = along.T, np.array(header.get("space origin", np.zeros(3)), float)[:3]
+    affine[:3, :3] = along[::-1].T
+    affine[:3, 3] = np.array(header.get("space origin", np.zeros(3)), float)[:3] * scale
     if space == "LAS":
         affine[1] *= -1.0
     return position_from_affine(affine, "RAS" if space == "RAS" else "LPS", (plane, row, col), unit or "mm")

@@ -35,7 +35,7 @@ _OME_VERSION = "0.5"
 """Version of OME-NGFF that is written."""
 
 _AXIS_LETTERS = "tczyx"
-"""Axes that an image may have, in their order."""
+"""Axes that an image may have, in the order in which they are written."""
 
 
 def is_zarr(folder: Path) -> bool:
@@ -54,7 +54,7 @@ class MultiscaleImage:
     arrays : tuple of zarr.Array
         The levels, finest first.
     axes : str
-        One letter for each axis of the arrays: t, c, z, y, x.
+        One letter for each axis of the arrays, t, c, z, y or x, in the order in which they are stored.
     spacing : tuple of float
         Size of a voxel of the finest level along (plane, row, col), in `unit`.
     unit : str or None
@@ -86,7 +86,9 @@ class MultiscaleImage:
         """Read part of a level at a time and in a channel, shape (planes, rows, columns)."""
         chosen: dict[str, int | slice] = {"t": time, "c": channel, "z": planes, "y": window[0], "x": window[1]}
         found: NDArray[Any] = np.asarray(self.arrays[level][tuple(chosen[axis] for axis in self.axes)])
-        return found if "z" in self.axes else found[None]
+        stored = [axis for axis in self.axes if axis in "zyx"]
+        found = found.transpose([stored.index(axis) for axis in "zyx" if axis in stored])
+        return found if "z" in stored else found[None]
 
     def find_finer_planes(self, level: int, time: int, channel: int, plane: int) -> tuple[FinerPlane, ...]:
         """Find a plane in the levels before one, finest first, as long as each has twice as many rows as the next."""
@@ -160,10 +162,9 @@ def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage
         if "axes" in scales
         else {}
     )
-    sides = tuple(float(sizes.get(axis, 1.0)) for axis in "zyx")
-    units = {resolution.find_unit(str(one.get("unit", ""))) for one in axes if one["name"] in "yx"}
-    unit = units.pop() if len(units) == 1 else None
-    spacing = sides if unit and min(sides) > 0.0 else (1.0, 1.0, 1.0)
+    named = {one["name"]: str(one.get("unit") or "") for one in axes}
+    sides = [float(sizes.get(axis, sizes.get("y", 1.0))) for axis in "zyx"]
+    spacing, unit = resolution.spacing_from_sizes(sides, [named.get(axis, "") for axis in "zyx"])
     return MultiscaleImage(name, levels, letters, spacing, unit, series, number)  # type: ignore[arg-type]
 
 

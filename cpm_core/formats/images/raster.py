@@ -62,14 +62,8 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
     name = make_printable(path.name)
     with _open_picture(path) as picture:
         check_pixel_count(name, picture.height, picture.width)
-        frames, turn = int(getattr(picture, "n_frames", 1)), _read_orientation(picture, path)
-        spacing, unit = resolution.UNKNOWN_SPACING
-        density = picture.info.get("dpi")
-        if (
-            frames == 1 and picture.format == "PNG" and density is not None
-        ):  # among these formats only PNG states the unit
-            along = (float(density[1]) * _INCHES_PER_METER, float(density[0]) * _INCHES_PER_METER)
-            spacing, unit = resolution.spacing_from_density(*along)
+        frames, turn = _count_frames(picture), _read_orientation(picture, path)
+        spacing, unit = resolution.UNKNOWN_SPACING if frames > 1 else _read_spacing(picture)
         order = -1 if turn in range(5, 9) else 1  # rows and columns are swapped
         (rows, columns), (row, col) = picture.size[::-order], spacing[::order]
 
@@ -91,6 +85,23 @@ def _open_picture(path: Path) -> Iterator[PIL.Image.Image]:
             yield picture
     except PIL.Image.DecompressionBombError:
         raise UnreadableError(f"{path.name} has far too many pixels: crop it or make it smaller first.") from None
+
+
+def _read_spacing(picture: PIL.Image.Image) -> resolution.Spacing:
+    """Read the size of a pixel; among these formats only PNG states its unit, and JPEG the ratio of its sides."""
+    info = picture.info
+    if picture.format == "PNG" and "dpi" in info:
+        columns, rows = (float(count) * _INCHES_PER_METER for count in info["dpi"])
+    elif info.get("jfif_unit") == 0 or "aspect" in info:
+        columns, rows = map(float, info.get("aspect") or info["jfif_density"])
+    else:
+        return resolution.UNKNOWN_SPACING
+    return resolution.spacing_from_density(rows, columns)
+
+
+def _count_frames(picture: PIL.Image.Image) -> int:
+    """Count the frames of an open picture; what a phone adds to a photo, such as a preview, is none."""
+    return 1 if picture.format == "MPO" else int(getattr(picture, "n_frames", 1))
 
 
 def _read_orientation(picture: PIL.Image.Image, path: Path) -> int:
@@ -118,7 +129,7 @@ def _decode_picture(picture: PIL.Image.Image, path: Path) -> DecodedImage:
     declared = None  # maximum in the header of a portable map; Pillow rescales the values
     if picture.format == "PPM" and len(arguments) == 2 and isinstance(arguments[1], int) and arguments[1] > 0:
         declared = arguments[1]
-    whole = getattr(picture, "n_frames", 1) == 1 and not picture.info.get("interlace")
+    whole = _count_frames(picture) == 1 and not picture.info.get("interlace")
     deep = whole and kind in ("RGB;16B", "RGBA;16B", "LA;16B")
     if picture.format == "JPEG2000" or deep:
         return _decode_by_imagecodecs(path, "png" if deep else "jpeg2k")

@@ -24,7 +24,18 @@ from cpm_core.formats.common.content import (
     read_content,
 )
 from cpm_core.formats.common.printable import make_printable
-from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, ome_zarr, raster, resolution, tiff
+from cpm_core.formats.images import (
+    analyze,
+    dicom,
+    metaimage,
+    nifti,
+    nrrd,
+    numpy_array,
+    ome_zarr,
+    raster,
+    resolution,
+    tiff,
+)
 from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.reading import Reading, check_unit
 from cpm_core.formats.images.stack import PageAxis, Pages, Stack, read_plane, read_volume
@@ -48,7 +59,7 @@ class ImageReader(Protocol):
         """Open a file of one or several planes; a damaged one may raise any exception."""
 
 
-_IMAGE_READERS: tuple[ImageReader, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)
+_IMAGE_READERS: tuple[ImageReader, ...] = (dicom, tiff, numpy_array, nifti, analyze, nrrd, metaimage, raster)
 """Readers in the order they are tried: DICOM files may begin like TIFF, and the last one takes what no other reads."""
 
 _SIGNATURE_SIZE = 512
@@ -68,6 +79,7 @@ _FOREIGN_SIGNATURES: tuple[tuple[int, bytes, str], ...] = (
     (0, b"\x1f\x8b", "a packed file (gzip)"),
     (0, b"%PDF-", "a PDF document"),
     (0, b"8BPS", "a Photoshop picture"),
+    (0, b"\0\5\x16\7", "what macOS keeps beside a file"),
     (0, b"<", "an SVG drawing or another XML file"),
 )
 """Offset, signature and description of kinds of files that are known but not read."""
@@ -78,6 +90,11 @@ IMAGES_READABLE: dict[str, str] = {
     for suffix, text in kinds.items()
 }
 """Suffixes of readable images -> what they are; the content of a file decides, not its suffix."""
+
+
+def is_image_name(name: str) -> bool:
+    """Return whether a file in a folder is an image by its name; hidden ones, such as ._NAME of macOS, are none."""
+    return Path(name).suffix.lower() in IMAGES_READABLE and not name.startswith(".")
 
 
 def load_image(
@@ -222,7 +239,7 @@ def load_pages(
     axes: tuple[tuple[str, PageAxis, int], ...] = (
         ("page", "z", stack.shape[0]),
         ("time", "t", stack.times if time is None else 1),
-        ("channel", "c", stack.channels if channel is None else 1),
+        ("channel", "c", stack.channels if channel is None and not stack.has_colors else 1),
     )
     name, axis, count = next((one for one in axes if one[2] > 1), axes[0])
 
@@ -320,12 +337,24 @@ def _explain_errors(file: Path) -> AbstractContextManager[None]:
     )
 
 
+def _find_header(file: Path) -> Path:
+    """Find the header of a file with the values of a pair of NIfTI or Analyze; any other file is its own."""
+    header = file.with_suffix(".HDR" if file.suffix.isupper() else ".hdr")
+    if file.suffix.lower() != ".img" or not header.is_file():
+        return file
+    head = read_content(header, head_size=_SIGNATURE_SIZE)
+    return header if nifti.can_read(head, header) or analyze.can_read(head, header) else file
+
+
 def _open_file(file: Path, reading: Reading) -> Stack:
     """Open a file with the reader for its content."""
     if dicom.holds_dicom_series(file):
         return dicom.open_image_file(file, reading)
     if ome_zarr.is_zarr(file):
         return ome_zarr.open_image_file(file, reading)
+    if dicom.holds_dicom_series_below(file):
+        return dicom.open_image_file(file, reading)
+    file = _find_header(file)
     head = read_content(file, head_size=_SIGNATURE_SIZE)
     if not head:
         raise UnreadableError(f"{file.name} is empty: get a sound copy of it.")

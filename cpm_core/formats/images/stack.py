@@ -26,6 +26,9 @@ _GRAY_LEVEL_MEMORY = 16
 _MAX_SILENT_SLANT = 0.5
 """Largest deviation of axes from right angles without a note [degrees]."""
 
+ALL_COLORS = -1
+"""Index that stands for red, green and blue together in place of one of the channels."""
+
 VolumePosition = tuple[Triple, str | None, Geometry | None, Texts]
 """Voxel size, its unit and the position of the volume, if the file states them, and notes on them."""
 
@@ -45,7 +48,7 @@ class Stack:
         Number of planes, rows and columns.
     read_planes : callable
         Called with time, channel, first plane and the plane after the last, all from 0: reads gray levels of shape
-        (planes, rows, columns), colors if there are any, and notes.
+        (planes, rows, columns), colors if there are any, and notes. With `has_colors` the channel may be `ALL_COLORS`.
     bytes_per_voxel : float
         Size of a voxel as it is stored [bytes].
     times, channels : int
@@ -72,6 +75,8 @@ class Stack:
         Whether the file states the distance of its planes, which are then those of a volume.
     hounsfield : bool or None
         Whether gray levels are Hounsfield units; None if the file does not state it.
+    has_colors : bool
+        Whether the first channels are red, green and blue, which are read together unless a channel is chosen.
     """
 
     name: str
@@ -92,6 +97,7 @@ class Stack:
     series_number: int = 0
     has_plane_spacing: bool = False
     hounsfield: bool | None = None
+    has_colors: bool = False
 
     @property
     def default_plane(self) -> int:
@@ -236,6 +242,19 @@ def check_memory(shape: Extent, each: float, name: str) -> None:
         raise UnreadableError(str(error)) from None
 
 
+def decode_header_line(line: bytes) -> str:
+    """Decode a line of a header: as UTF-8, or as Latin-1 where it is none."""
+    try:
+        return line.decode()
+    except UnicodeDecodeError:
+        return line.decode("latin-1")
+
+
+def find_values_of_pair(header: Path) -> Path:
+    """Find the values of a pair of NIfTI or Analyze, .img next to .hdr; UnreadableError if there are none."""
+    return find_data_file(header, header.stem + (".IMG" if header.suffix.isupper() else ".img"))
+
+
 def find_data_file(header: Path, named: str) -> Path:
     """Find the data file that a header names; UnreadableError unless it is a single file in the same folder."""
     place = Path(named)
@@ -250,6 +269,8 @@ def find_data_file(header: Path, named: str) -> Path:
 
 def _select_part(stack: Stack, what: str, wanted: int | None, count: int, notes: list[str]) -> int:
     """Return the index of a channel or a point in time, by default the first, which is noted."""
+    if wanted is None and what == "channel" and stack.has_colors:
+        return ALL_COLORS
     if wanted is None and count > 1:
         words = "points in time" if what == "time" else "channels"
         notes.append(f"Only the first of its {count} {words} was taken.")

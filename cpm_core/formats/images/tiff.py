@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import math
-import re
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,10 +17,10 @@ from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count, decode_samples, rotate_upright
 from cpm_core.formats.images.reading import Reading, select_series
-from cpm_core.formats.images.stack import Stack, stack_planes
+from cpm_core.formats.images.stack import ALL_COLORS, Stack, stack_planes
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA_VALUE
-from cpm_core.numerics.types import Index, Numbers
+from cpm_core.numerics.types import Index, Numbers, Texts
 
 if TYPE_CHECKING:
     import tifffile
@@ -59,6 +60,12 @@ _PREMULTIPLIED_ALPHA = 1
 _PER_METER_UNIT = 1
 """Code of tifffile for a resolution in pixels per meter."""
 
+_NO_UNIT = 1
+"""Tag for a resolution without a unit."""
+
+_POLYNOMIALS = {0: 1, 1: 2, 2: 3, 3: 4}
+"""Code of a calibration of ImageJ that is a polynomial -> its degree."""
+
 _PIXEL_AXES = "YXS"
 """Axes within a page: rows, columns, samples."""
 
@@ -91,16 +98,26 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         pages = _index_pages(series, name)
         keyframe = series.keyframe
         depth, (row, col), unit = _read_voxel_size(file, keyframe, number)
+        curve, calibrated = _parse_calibration(file.imagej_metadata or {}, keyframe)
+        bands = _count_bands(keyframe)
         size = dict(zip(series.axes, series.shape, strict=True))
         sides = (int(size["Y"]), int(size["X"]))
         if _page_orientation(keyframe) in range(5, 9):  # rows become columns
             sides, (row, col) = sides[::-1], (col, row)
     notes = () if reading.series or len(names) == 1 else (f"Only the first of its {len(names)} series was taken.",)
+    has_colors = bands > 1 and keyframe.photometric == _PHOTOMETRIC_RGB
     untold = ("The distance of its planes is not given; that of its rows was taken.",)
 
     def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
+        if bands == 1:
+            band = None
+        elif channel == ALL_COLORS:
+            channel, band = 0, None
+        else:
+            channel, band = divmod(channel, bands)
         with tifffile.TiffFile(path) as file:
-            return _decode_pages(_list_series(file)[number], pages[time, channel, first:end], name)
+            found = _decode_pages(_list_series(file)[number], pages[time, channel, first:end], band, name)
+        return replace(found, values=np.polynomial.Polynomial(curve)(found.values)) if curve else found
 
     return Stack(
         name,
@@ -108,15 +125,16 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         read_planes,
         series.dtype.itemsize * float(size.get("S", 1)),
         pages.shape[0],
-        pages.shape[1],
+        bands * pages.shape[1],
         (depth or row, row, col),
         unit,
-        notes=notes,
+        notes=(*notes, *calibrated),
         volume_notes=() if depth or unit is None else untold,
         plane_word="page",
         series=names,
         series_number=number,
         has_plane_spacing=depth is not None,
+        has_colors=has_colors,
     )
 
 
@@ -147,8 +165,8 @@ def _index_pages(series: tifffile.TiffPageSeries, name: str) -> Index:
     return numbers.reshape([size.get(axis, 1) for axis in "TCZ"])
 
 
-def _decode_pages(series: tifffile.TiffPageSeries, numbers: Index, name: str) -> DecodedImage:
-    """Decode pages of a series: one by one, or by their offset if one directory stands for all."""
+def _decode_pages(series: tifffile.TiffPageSeries, numbers: Index, band: int | None, name: str) -> DecodedImage:
+    """Decode pages of a series, or a band of each: one by one, or by their offset if one directory stands for all."""
     import tifffile
 
     pages, keyframe = series.pages, series.keyframe
@@ -157,10 +175,10 @@ def _decode_pages(series: tifffile.TiffPageSeries, numbers: Index, name: str) ->
         raise UnreadableError(f"{name} keeps pages in other files that are missing: put them next to it.")
     complete = [page for page in whole if isinstance(page, tifffile.TiffPage)]
     if whole and keyframe.imagedepth == 1 and len(complete) == len(whole):
-        return stack_planes([_decode_page(page, _read_stored_pixels(page, name), name) for page in complete])
+        return stack_planes([_decode_page(page, _read_stored_pixels(page, name), band, name) for page in complete])
     axes = "".join(axis for axis in series.axes if axis in _PIXEL_AXES)
     every = series.asarray(maxworkers=1).reshape(-1, *(series.shape[series.axes.index(axis)] for axis in axes))
-    return stack_planes([_decode_page(keyframe, plane, name) for plane in every[numbers]])
+    return stack_planes([_decode_page(keyframe, plane, band, name) for plane in every[numbers]])
 
 
 def _read_stored_pixels(page: tifffile.TiffPage, name: str) -> Numbers:
@@ -171,13 +189,16 @@ def _read_stored_pixels(page: tifffile.TiffPage, name: str) -> Numbers:
     return np.asarray(page.asarray(maxworkers=1))
 
 
-def _decode_page(page: tifffile.TiffPage, raw: Numbers, name: str) -> DecodedImage:
-    """Decode the samples of a page to upright gray levels."""
+def _decode_page(page: tifffile.TiffPage, raw: Numbers, band: int | None, name: str) -> DecodedImage:
+    """Decode the samples of a page, or those of one band, to upright gray levels."""
     if page.axes == "SYX":
         raw = np.moveaxis(raw, 0, -1)
     stored = samples = raw if raw.ndim == 3 else raw[..., np.newaxis]
     notes: list[str] = []
     colors, bits = page.photometric, page.bitspersample
+    if band is not None:
+        stored = samples = samples[..., band : band + 1]
+        colors = _PHOTOMETRIC_BLACK_IS_ZERO if colors == _PHOTOMETRIC_RGB else colors
     if samples.dtype == np.bool_:
         samples, bits = samples.astype(np.uint8) * np.uint8(255), 8
         notes.append("Black and white were read as 0 and 255.")
@@ -198,7 +219,7 @@ def _decode_page(page: tifffile.TiffPage, raw: Numbers, name: str) -> DecodedIma
     white = _white_level(bits, samples)
     count = 1 if colors in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO) else 3
     extra = samples[..., count:]
-    has_alpha = extra.shape[-1] > 0 and bool(page.extrasamples) and int(page.extrasamples[0]) in (1, 2)
+    has_alpha = extra.shape[-1] > 0 and _has_alpha(page)
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
     shown, opacity = samples[..., :count], extra[..., 0] / _white_level(bits, extra[..., 0]) if has_alpha else None
@@ -211,6 +232,18 @@ def _decode_page(page: tifffile.TiffPage, raw: Numbers, name: str) -> DecodedIma
     found = decode_samples(shown, opacity, tuple(notes), white)
     given = stored[..., : 1 if colors == _PHOTOMETRIC_PALETTE else count]
     return rotate_upright(replace(found, values=_mask_no_data(page, found.values, given)), _page_orientation(page))
+
+
+def _count_bands(page: tifffile.TiffPage) -> int:
+    """Count the samples of a pixel that are channels of their own; 1 if together they are a gray level or a color."""
+    color = {_PHOTOMETRIC_WHITE_IS_ZERO: 1, _PHOTOMETRIC_BLACK_IS_ZERO: 1, _PHOTOMETRIC_RGB: 3}.get(page.photometric)
+    count = int(page.samplesperpixel)
+    return 1 if color is None or count <= color + _has_alpha(page) else count
+
+
+def _has_alpha(page: tifffile.TiffPage) -> bool:
+    """Return whether the sample after gray level or color is the opacity."""
+    return bool(page.extrasamples) and int(page.extrasamples[0]) in (1, 2)
 
 
 def _uncommon_kind_error(page: tifffile.TiffPage, name: str) -> UnreadableError:
@@ -252,24 +285,57 @@ def _read_voxel_size(
     """
     hyperstack = file.imagej_metadata or {}
     if file.ome_metadata:
-        pixels = re.findall(r"<Pixels\b[^>]*>", file.ome_metadata)[series : series + 1]
-        entries = dict(re.findall(r"\b(PhysicalSize[XYZ](?:Unit)?)=\"([^\"]*)\"", "".join(pixels)))
-        sizes = [entries.get(f"PhysicalSize{axis}", 0.0) for axis in "ZYX"]
-        units = [entries.get(f"PhysicalSize{axis}Unit", "µm") for axis in "ZYX"]
+        entries = _find_ome_pixels(file.ome_metadata, series)
+        sizes = [_parse_size(entries.get(f"PhysicalSize{axis}")) for axis in "ZYX"]
+        units = [entries.get(f"PhysicalSize{axis}Unit", resolution.MICROMETER) for axis in "ZYX"]
     else:
+        per_meter = page.get_resolution(_PER_METER_UNIT)
+        plain, unit = resolution.spacing_from_density(*per_meter[::-1])
+        relative = unit is None and page.tags.valueof("ResolutionUnit", default=_NO_UNIT) == _NO_UNIT
+        if "unit" not in hyperstack and not relative:
+            return None, plain, unit
         columns, rows = page.get_resolution()
-        sizes = [hyperstack.get("spacing", 0.0), 1.0 / rows if rows else 0.0, 1.0 / columns if columns else 0.0]
-        units = 3 * [str(hyperstack.get("unit"))]
-        if "unit" not in hyperstack:
-            columns, rows = page.get_resolution(_PER_METER_UNIT)
-            return None, *resolution.spacing_from_density(rows, columns)
-    pixel, unit = resolution.spacing_from_sizes(
-        float(sizes[1]), float(sizes[2]), units[1] if units[1] == units[2] else ""
-    )
+        sizes = [_parse_size(hyperstack.get("spacing")), *(1.0 / count if count else 0.0 for count in (rows, columns))]
+        own = str(hyperstack.get("unit", ""))
+        units = [str(hyperstack.get("zunit", own)), str(hyperstack.get("yunit", own)), own]
+    (row, col), unit = resolution.spacing_from_sizes(sizes[1:], units[1:])
+    (depth, *sides), named = resolution.spacing_from_sizes(sizes, units)
+    stated = sizes[0] > 0.0 and (named, *sides) == (unit, row, col)
+    return depth if stated else None, (row, col), unit
+
+
+def _find_ome_pixels(description: str, number: int) -> Mapping[str, str]:
+    """Find the attributes of the pixels of an image in the metadata of OME, by its number; empty if there are none."""
+    if "<!DOCTYPE" in description:  # OME has none; entities of its own could grow without limit
+        return {}
     try:
-        (depth, _), named = resolution.spacing_from_sizes(abs(float(sizes[0])), 1.0, units[0])
+        found = ET.fromstring(description).findall(".//{*}Pixels")
+    except ET.ParseError:
+        return {}
+    return found[number].attrib if number < len(found) else {}
+
+
+def _parse_size(given: object) -> float:
+    """Parse a size, without its sign; 0 for anything else."""
+    try:
+        size = abs(float(given))  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        named = None
-    if named is None or unit is None:
-        return None, pixel, unit
-    return depth * resolution.conversion_factor(named, unit), pixel, unit
+        return 0.0
+    return size if math.isfinite(size) else 0.0
+
+
+def _parse_calibration(hyperstack: Mapping[str, object], page: tifffile.TiffPage) -> tuple[tuple[float, ...], Texts]:
+    """Parse the polynomial by which ImageJ calibrates gray levels, lowest power first, none if there is none; a note.
+
+    Signed gray levels of 16 bits are stored in this way.
+    """
+    code = hyperstack.get("cf")
+    if code is None or page.photometric not in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO):
+        return (), ()
+    if code not in _POLYNOMIALS or page.photometric == _PHOTOMETRIC_WHITE_IS_ZERO:
+        return (), ("Its description calibrates gray levels by a curve, which was not applied.",)
+    try:
+        curve = tuple(float(hyperstack[f"c{power}"]) for power in range(_POLYNOMIALS[code] + 1))  # type: ignore[arg-type]
+    except (KeyError, TypeError, ValueError):
+        return (), ()
+    return (curve, ("Gray levels were calibrated as its description says.",)) if curve != (0.0, 1.0) else ((), ())

@@ -45,6 +45,8 @@ class FileParts:
         Sentences of the core on faults of that volume, such as missing planes.
     series_around : Path or None
         Folder with the slices of a series that the file seems to belong to.
+    has_colors : bool
+        Whether the first channels are red, green and blue, which are open together unless a channel is chosen.
     """
 
     pages: int
@@ -60,6 +62,7 @@ class FileParts:
     volume_planes: int = 0
     doubts: Texts = ()
     series_around: Path | None = None
+    has_colors: bool = False
 
     @classmethod
     def from_stack(cls, stack: Stack, paged: bool, series_around: Path | None = None) -> FileParts:
@@ -75,7 +78,7 @@ class FileParts:
         left_out = (ONLY_THESE_NOTE,) if stack.volume_range is not None and end - first >= MINIMUM_SIDE else ()
         return cls(pages, times, stack.channels, stack.series, stack.series_number + 1, stack.plane_word, usual, deep,
                    stack.spacing, stack.unit, end - first, (*stack.volume_notes, *left_out),
-                   series_around if pages == 1 else None)  # fmt: skip
+                   series_around if pages == 1 else None, stack.has_colors)  # fmt: skip
 
     @property
     def can_be_volume(self) -> bool:
@@ -107,7 +110,7 @@ class FileParts:
         """Describe in words which parts are open."""
         numbers = (
             (_PAGE_WORDS[self.word][1], self.pages, None if as_volume else reading.page or self.default_page),
-            (tr("channel {number}"), self.channels, reading.channel or 1),
+            (tr("channel {number}"), self.channels, reading.channel or (None if self.has_colors else 1)),
             (tr("time {number}"), self.times, reading.time or 1),
         )
         said = [text.format(number=number) for text, count, number in numbers if count > 1 and number is not None]

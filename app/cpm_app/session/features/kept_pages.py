@@ -58,7 +58,7 @@ class StackSource:
         """Describe the stack in a file."""
         if parts is None:
             return cls(path)
-        by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1
+        by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1 and not parts.has_colors
         count = parts.channels if by_channel else parts.pages
         return cls(path, count if count > 1 else 0, by_channel, reading, parts.default_page)
 

@@ -22,7 +22,6 @@ from cpm_app.session.exchange.messages import (
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask, TaskManager
 from cpm_core import PRESETS, Image, Parameters
 from cpm_core.formats import (
-    IMAGES_READABLE,
     SESSION_SUFFIX,
     Reading,
     SessionFile,
@@ -30,6 +29,7 @@ from cpm_core.formats import (
     adapt_reading,
     find_session_image,
     find_sibling_dicom_files,
+    is_image_name,
     load_session,
     natural_sort_key,
     open_stack,
@@ -90,8 +90,7 @@ def find_adjacent_session(image: Path) -> Path | None:
 
 
 def _is_image(entry: os.DirEntry[str]) -> bool:
-    known = Path(entry.name).suffix.lower() in IMAGES_READABLE and not entry.name.startswith(".")
-    return known and (entry.is_file() or is_zarr(Path(entry)))
+    return is_image_name(entry.name) and (entry.is_file() or is_zarr(Path(entry)))
 
 
 PAGED_SUFFIXES = frozenset({".tif", ".tiff", *raster.FILE_KINDS})

@@ -280,11 +280,11 @@ class CanvasArea(QWidget):
         if key == Qt.Key.Key_Backspace and tool.has_draft:
             tool.remove_last_part()
         elif key in ENTER_KEYS:
-            by_keys = keyed and not held & Qt.KeyboardModifier.ControlModifier
-            if not by_keys and (self.press_enter() or objects.selected_keys):
-                return True  # objects that are selected are accepted already
-            self.canvas.dispatcher.set_modifiers(held)
-            (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()
+            if keyed and tool.has_draft and held & Qt.KeyboardModifier.ControlModifier:
+                tool.finish()
+            elif keyed or not (self.press_enter() or objects.selected_keys):  # selected objects are accepted already
+                self.canvas.dispatcher.set_modifiers(held)
+                (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()
         elif key in _ARROW_DIRECTIONS:
             factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0
             row, col = _ARROW_DIRECTIONS[key]

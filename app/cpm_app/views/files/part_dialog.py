@@ -82,7 +82,7 @@ class PartDialog(QDialog):
         lay_out_form(self, tr("Which part of {name} do you want to open?", name=name), self._form, buttons)
         self.show_parts(parts)
         self.page.setValue(reading.page or parts.default_page)
-        self.channel.setValue(reading.channel or 1)
+        self.channel.setValue(reading.channel or 0)
         self.time.setValue(reading.time or 1)
         self.accepted.connect(lambda: self.part_selected.emit(self.kind.currentData(), self.reading))
         self.series.currentIndexChanged.connect(self._on_series_changed)
@@ -96,6 +96,9 @@ class PartDialog(QDialog):
             field.setRange(1, count)
             field.setSuffix(tr(" of {count}", count=count))
             self._form.setRowVisible(field, count > 1)
+        if parts.has_colors:
+            self.channel.setMinimum(0)
+        self.channel.setSpecialValueText(tr("Red, green and blue") if parts.has_colors else "")
         self._form.setRowVisible(self.series, len(parts.series) > 1)
         self.kind.clear()
         if parts.can_be_volume:
@@ -122,7 +125,7 @@ class PartDialog(QDialog):
             self._reading,
             series=self.series.currentIndex() + 1 if several else self._reading.series,
             page=self.page.value() if parts.pages > 1 and not as_volume else None,
-            channel=self.channel.value() if parts.channels > 1 else None,
+            channel=(self.channel.value() or None) if parts.channels > 1 else None,
             time=self.time.value() if parts.times > 1 else None,
             color=self.color.currentData() if as_volume else COLOR_CHOICES[0],
         )

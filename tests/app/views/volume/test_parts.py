@@ -104,3 +104,16 @@ def test_sessions_and_recent_files_keep_the_part(window, hand, hyperstack, image
     open_file(window, hand, image_file)
     open_file(window, hand, hyperstack)
     np.testing.assert_array_equal(window.session.image.values, values)
+
+
+def test_infrared_next_to_color_is_a_channel_that_can_be_chosen(window, hand, tmp_path) -> None:
+    path, plane = tmp_path / "field.tif", ball()[12].astype(np.uint8)
+    bands = np.stack([plane // 4, plane // 3, plane // 2, plane], axis=-1)
+    tifffile.imwrite(path, bands, photometric="rgb", extrasamples=["unspecified"])
+    open_file(window, hand, path)
+    assert window.session.image.colors is not None
+    dialog = ask(window, hand)
+    assert dialog.channel.text().startswith("Red, green and blue")
+    choose(window, hand, dialog, channel=4)
+    np.testing.assert_array_equal(window.session.image.values, plane)
+    assert window.offers.findChild(QLabel).text().endswith("Open now: channel 4.")

@@ -7,6 +7,7 @@ from pydicom.uid import JPEG2000Lossless, RLELossless
 
 from cpm_core import load_image, load_volume
 from cpm_core.formats import open_stack
+from cpm_core.formats.images import dicom
 from cpm_core.formats.images.dicom import can_read
 
 from .made import ACROSS, OBLIQUE, SHAPE, VALUES, dataset, write_series, write_slice
@@ -440,6 +441,87 @@ def test_slices_in_a_fan_are_no_volume_and_the_sentence_says_why(tmp_path):
     with pytest.raises(ValueError, match="Its 12 images have 12 different sizes, directions or series"):
         load_volume(tmp_path)
     assert load_image(tmp_path).shape == VALUES.shape[1:]
+
+
+@pytest.mark.parametrize("jitter", [0.0, 2e-5, 2e-4])
+def test_slices_of_which_each_rounds_its_direction_otherwise_are_one_volume(tmp_path, jitter):
+    rng = np.random.default_rng(3)
+    for number, height in enumerate(HEIGHTS):
+        turn = 0.0005 + rng.uniform(-jitter, jitter)  # at a limit of any number of decimals
+        along = ((1.0, 0.0, 0.0), (0.0, np.cos(turn), np.sin(turn)))
+        spacing = (0.75 + rng.uniform(-jitter, jitter) / 10, 0.5)
+        write_slice(tmp_path / f"{number}.dcm", VALUES[3], np.add(ORIGIN, (0, 0, height)), along, spacing, number)
+    volume = load_volume(tmp_path)
+    assert (volume.shape[0], volume.notes) == (len(HEIGHTS), ())
+
+
+@pytest.mark.parametrize(
+    ("entries", "in_time"),
+    [
+        ({"FrameTime": 40.0}, True),
+        ({"FrameIncrementPointer": 0x00181063, "FrameTime": 40.0}, True),
+        ({"FrameIncrementPointer": 0x00181065, "FrameTimeVector": [40.0] * 10}, True),
+        ({"FrameIncrementPointer": 0x00540070, "TimeSlotVector": list(range(1, 11))}, True),
+        ({"FrameIncrementPointer": 0x00540080, "SliceVector": list(range(1, 11))}, False),
+        ({"FrameIncrementPointer": 0x00540080, "SliceVector": list(range(1, 11)), "FrameTime": 40.0}, False),
+        ({"FrameIncrementPointer": 0x00540090, "AngularViewVector": list(range(1, 11))}, False),
+        ({}, False),
+    ],
+)
+def test_frames_are_points_in_time_only_where_the_file_says_so(tmp_path, entries, in_time):
+    nowhere = {"ImagePositionPatient": None, "ImageOrientationPatient": None}
+    write_slice(tmp_path / "a.dcm", VALUES, NumberOfFrames=len(VALUES), **nowhere, **entries)
+    stack = open_stack(tmp_path / "a.dcm")
+    assert (stack.shape[0], stack.times) == ((1, 10) if in_time else (10, 1))
+    volume = load_volume(tmp_path / "a.dcm")
+    assert np.array_equal(volume.values, VALUES)
+    assert any("time" in note for note in volume.notes) == in_time
+
+
+@pytest.mark.parametrize(("ratio", "spacing"), [([2, 1], (2.0, 1.0)), ([3, 4], (0.75, 1.0)), ([0, 1], (1.0, 1.0))])
+def test_without_a_size_a_pixel_has_the_ratio_of_its_sides(tmp_path, ratio, spacing):
+    write_slice(tmp_path / "a.dcm", VALUES[3], PixelSpacing=None, PixelAspectRatio=ratio)
+    image = load_image(tmp_path / "a.dcm")
+    assert (image.spacing, image.unit) == (spacing, None)
+    write_slice(tmp_path / "b.dcm", VALUES[3], PixelAspectRatio=ratio)
+    assert load_image(tmp_path / "b.dcm").spacing == (0.75, 0.5)
+
+
+@pytest.fixture
+def disc(tmp_path):
+    """A CD with two series of a patient three folders below, and its directory."""
+    for number, (folder, count) in enumerate((("SE0", 20), ("SE1", 12))):
+        place = tmp_path / "cd" / "DICOM" / "PAT0" / "ST0" / folder
+        place.parent.mkdir(parents=True, exist_ok=True)
+        write_series(
+            place, HEIGHTS[:count], SeriesInstanceUID=f"1.2.{number + 1}", SeriesDescription=f"series {number}"
+        )
+    (tmp_path / "cd" / "AUTORUN.INF").write_text("[autorun]")
+    (tmp_path / "cd" / "DICOM" / "._SE0").write_bytes(b"\0\5\x16\7" + bytes(600))
+    directory = dataset(VALUES[0], Rows=None, Columns=None, PixelData=None, FileSetID="DISC")
+    directory.SOPClassUID = directory.file_meta.MediaStorageSOPClassUID = pydicom.uid.MediaStorageDirectoryStorage
+    directory.save_as(tmp_path / "cd" / "DICOMDIR", enforce_file_format=True)
+    return tmp_path / "cd"
+
+
+@pytest.mark.parametrize("name", ["", "DICOMDIR", "DICOM", "DICOM/PAT0"])
+def test_series_in_the_folders_below_are_those_of_a_folder(disc, name):
+    stack = open_stack(disc / name)
+    assert (stack.series, stack.shape[0]) == (("series 0", "series 1"), 20)
+    volume = load_volume(disc / name, series="series 1")
+    assert np.array_equal(volume.values, load_volume(disc / "DICOM" / "PAT0" / "ST0" / "SE1").values)
+    assert load_volume(disc / name).notes == ('Of its 2 series that with the most images was taken, 1 ("series 0").',)
+
+
+def test_a_series_in_a_folder_is_not_mixed_with_those_below(disc):
+    write_series(disc, HEIGHTS[:10], SeriesInstanceUID="1.2.9")
+    assert (open_stack(disc).shape[0], len(open_stack(disc).series)) == (10, 1)
+
+
+def test_a_folder_with_too_many_files_below_is_not_searched(disc, monkeypatch):
+    monkeypatch.setattr(dicom, "_MAX_FILES_BELOW", 5)
+    with pytest.raises(ValueError, match="cd has more than 5 files in the folders below it: choose one of these"):
+        load_volume(disc)
 
 
 @pytest.mark.parametrize("step", [3.0, -3.0])

@@ -26,6 +26,23 @@ def test_the_order_of_bytes_and_a_head_of_the_values_are_heeded(tmp_path):
     assert np.array_equal(load_volume(tmp_path / "a.mhd").values, VALUES)
 
 
+@pytest.mark.parametrize("beside", [None, "a.raw"])
+@pytest.mark.parametrize("false", ["False", "0"])
+@pytest.mark.parametrize("kind", [np.int16, np.float32])
+def test_values_may_be_text(tmp_path, kind, false, beside):
+    values = VALUES.astype(kind) / kind(4) if kind is np.float32 else VALUES
+    write_metaimage(tmp_path / "a.mhd", values, beside=beside, BinaryData=false)
+    header = (tmp_path / "a.mhd").read_bytes()
+    text = "\n".join(" ".join(map(str, row)) for row in values.reshape(-1, 14).tolist()).encode()
+    if beside:
+        (tmp_path / beside).write_bytes(text)
+    else:
+        (tmp_path / "a.mhd").write_bytes(header[: header.index(b"LOCAL") + 6] + text)
+    volume = load_volume(tmp_path / "a.mhd")
+    assert np.array_equal(volume.values, values)
+    assert volume.spacing == pytest.approx((2.0, 0.75, 0.5))
+
+
 def test_without_sizes_and_place_nothing_is_assumed(tmp_path):
     write_metaimage(tmp_path / "a.mha", TransformMatrix=None, Offset=None, ElementSpacing=None)
     volume = load_volume(tmp_path / "a.mha")

@@ -117,3 +117,13 @@ def test_more_than_memory_holds_is_refused_in_words(tmp_path):
     (tmp_path / "a.nrrd").write_bytes(content)
     with pytest.raises(ValueError, match=r"need .* GB of memory"):
         load_volume(tmp_path / "a.nrrd")
+
+
+@pytest.mark.parametrize("encoding", ["raw", "gzip"])
+def test_values_in_another_file_are_found_by_a_relative_path(tmp_path, monkeypatch, encoding):
+    (tmp_path / "below").mkdir()
+    write(tmp_path / "below" / "a.nhdr", **HEADER, encoding=encoding)
+    assert len(list((tmp_path / "below").iterdir())) == 2
+    monkeypatch.chdir(tmp_path)
+    for path in ("below/a.nhdr", "./below/../below/a.nhdr", tmp_path / "below" / "a.nhdr"):
+        assert np.array_equal(load_volume(path).values, VALUES)

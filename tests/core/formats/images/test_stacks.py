@@ -174,3 +174,13 @@ def test_a_part_is_chosen_by_numbers_of_numpy_as_well(tmp_path, kind):
     assert np.array_equal(load_volume(tmp_path / "a.tif", time=kind(2)).values, PIXELS + 100)
     reading = Reading(page=kind(2), spacing=(np.float32(0.5), kind(2)), unit="mm")
     assert json.loads(json.dumps(reading.arguments)) == {"page": 2, "spacing": [0.5, 2.0], "unit": "mm"}
+
+
+@pytest.mark.parametrize("sides", [(10, 7), BYTES.shape[1:][::-1]])
+def test_what_a_phone_adds_to_a_photo_is_no_frame(tmp_path, sides):
+    more = PIL.Image.new("L", sides, 90)
+    PIL.Image.fromarray(BYTES[0]).save(tmp_path / "a.jpg", format="MPO", save_all=True, append_images=[more])
+    image = load_image(tmp_path / "a.jpg")
+    assert (image.shape, image.notes) == (BYTES.shape[1:], ())
+    with pytest.raises(ValueError, match="has 1 of them"):
+        load_image(tmp_path / "a.jpg", page=2)

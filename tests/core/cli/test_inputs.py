@@ -1,0 +1,31 @@
+"""Inputs of commands: which images a folder stands for."""
+
+import numpy as np
+import pytest
+
+from cpm_core.cli.inputs import expand_paths
+from tests.core.formats.images.made import write_series
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "cells").mkdir()
+    for name in ("a2", "a10"):
+        np.save(tmp_path / "cells" / f"{name}.npy", np.eye(12))
+        (tmp_path / "cells" / f"._{name}.npy").write_bytes(b"\0\5\x16\7" + bytes(60))
+    return tmp_path / "cells"
+
+
+def test_a_folder_stands_for_its_images_without_what_macos_keeps_beside_them(folder):
+    assert expand_paths([str(folder)]) == [str(folder / "a2.npy"), str(folder / "a10.npy")]
+
+
+def test_a_folder_with_a_series_below_stands_for_itself_unless_it_has_images(folder):
+    disc = folder.parent / "cd"
+    (disc / "DICOM").mkdir(parents=True)
+    write_series(disc / "DICOM" / "SE0", range(10))
+    assert expand_paths([str(disc)]) == [str(disc)]
+    (disc / "DICOM").rename(folder / "DICOM")
+    assert len(expand_paths([str(folder)])) == 2
+    with pytest.raises(ValueError, match="is a folder without images"):
+        expand_paths([str(disc)])
