@@ -21,11 +21,14 @@ from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, OpeningFailed, WorkFinished
 from cpm_app.session.features.followed_objects import FollowedObjects
+from cpm_app.session.features.object_list import MIN_SURE_CONFIDENCE, ObjectList
+from cpm_app.session.features.object_rows import ItemKey
 from cpm_app.session.features.prepared_image import PreparedImage, prepare_proposals
 from cpm_app.session.features.project_table import write_table
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import (
+    EDITING_CATEGORY,
     EXPORTING_CATEGORY,
     OPENING_CATEGORY,
     PROJECT_CATEGORY,
@@ -103,9 +106,12 @@ class ImageProject(QObject):
     image_wanted = Signal(object)
     """The user goes on to an image: its path."""
 
-    def __init__(self, session: Session, pages: StackPages, followed_objects: FollowedObjects) -> None:
+    def __init__(
+        self, session: Session, object_list: ObjectList, pages: StackPages, followed_objects: FollowedObjects
+    ) -> None:
         super().__init__(session)
-        self._session, self._pages, self._followed_objects = session, pages, followed_objects
+        self._session, self._list = session, object_list
+        self._pages, self._followed_objects = pages, followed_objects
         self._file: DocumentFile
         self._content = FolderContent()
         self.current: Path | None = None
@@ -122,6 +128,8 @@ class ImageProject(QObject):
         self._prepared_after: Path | None = None
         """The open image when that was last considered."""
         self._prepared: PreparedImage | None = None
+        self._asked: object = None
+        """Image, mark and the proposals that would be lost, as the last message about such said."""
         self._saving_fails = False
         self._timer = QTimer(self, singleShot=True)
         self._timer.timeout.connect(self._save)
@@ -215,10 +223,23 @@ class ImageProject(QObject):
     # States
 
     def mark(self, state: ImageState) -> None:
-        """Mark the open image, and go on to the next one; if it is marked so already, remove the mark and stay."""
+        """Mark the open image, and go on to the next one; if it is marked so already, remove the mark and stay.
+
+        If proposals that Enter accepts would be lost, only a message says so; asked again, the image is marked.
+        """
         if self.current is None:
             return
         removed, here = self._here.state == state, self._here
+        offered = () if removed else self._undecided_proposals
+        asked = self.current, state, offered
+        if offered and asked != self._asked:
+            self._asked = asked
+            text = tr(
+                "Proposals that are not accepted: {count}. Enter accepts them; the same key again goes on without them."
+            )
+            self._session.messages.show(text.format(count=len(offered)), category=EDITING_CATEGORY)
+            return
+        self._asked = None
         if removed:
             begun = self._has_work or self.current.name in self._content.sessions
             state = "begun" if begun else "untouched"
@@ -273,9 +294,10 @@ class ImageProject(QObject):
         self._session.messages.clear(EXPORTING_CATEGORY)
         self.save_and_wait()
         images = tuple(image for image in self.images if image.name in self._content.sessions)
+        empty = sum(row.state == "done" and row.objects == 0 for row in self.rows)
         return self._session.tasks.start_task(
             tr("Writing {name}…", name=path.name),
-            partial(write_table, images, path),
+            partial(write_table, images, empty, path),
             tr("writing {name}", name=path.name),
             partial(CommandFailed, category=EXPORTING_CATEGORY),
         )
@@ -291,6 +313,13 @@ class ImageProject(QObject):
         begun = self._has_work or self.current.name in self._content.sessions
         state: ImageState = "begun" if known.state == "untouched" and begun else known.state
         return ProjectImage(state, len(document.objects.items))
+
+    @property
+    def _undecided_proposals(self) -> tuple[ItemKey, ...]:
+        """Keys of the proposals; none if only doubtful ones are left next to objects: the user has passed over them."""
+        rows = [row for row in self._list.rows if row.kind == "proposal"]
+        sure = any(row.item.confidence >= MIN_SURE_CONFIDENCE for row in rows)
+        return tuple(row.key for row in rows) if sure or not self._session.document.objects.items else ()
 
     @property
     def _needs_saving(self) -> bool:

@@ -6,11 +6,12 @@ from collections.abc import Callable, Collection, Sequence
 from functools import partial, reduce
 from typing import Literal, TypeVar
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject
 
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import paint_volume_object
+from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.contour_selection import ContourSelection
@@ -41,9 +42,6 @@ def describe_unlikely(count: int) -> str:
 
 class ObjectCommands(QObject):
     """Accepts, rejects and edits the selected objects and proposals, and accepts contours of the run as objects."""
-
-    class_begun = Signal(int)
-    """A class without a name is used next to another one for the first time."""
 
     def __init__(self, session: Session, contour_selection: ContourSelection, object_list: ObjectList) -> None:
         super().__init__(session)
@@ -82,9 +80,12 @@ class ObjectCommands(QObject):
     def reject_selected(self) -> None:
         """Dismiss the selected proposals and remove the selected objects, none of which is proposed again.
 
-        Without a selection, all proposals are dismissed; the object being selected is dropped.
+        Without a selection, all proposals are dismissed, with a message; the object being selected is dropped.
         """
-        rows = self._list.selected_rows or tuple(self._list.pending_rows)
+        selected = self._list.selected_rows
+        rows = selected or tuple(self._list.pending_rows)
+        if self._has_frozen(rows):
+            return
         draft = any(row.key == DRAFT_KEY for row in rows)
         offered = [row.item for row in rows if row.kind == "proposal" and row.key != DRAFT_KEY]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
@@ -95,10 +96,15 @@ class ObjectCommands(QObject):
             return objects.reject_objects(document, numbers, offered)
 
         self._edit_rows(tr("reject {what}"), rows, reject_rows)
+        if offered and not selected:
+            words = insert_keys(tr("Rejected proposals: {count}. {key:undo} brings them back."), count=len(offered))
+            self._session.messages.show(words, category=EDITING_CATEGORY)
 
     def delete_selected(self) -> None:
         """Remove the selected objects, and dismiss the selected proposals."""
         rows = self._list.selected_rows
+        if self._has_frozen(rows):
+            return
         if all(row.kind == "object" for row in rows):
             self._edit_rows(
                 tr("delete {what}"), rows, lambda d: objects.delete_objects(d, [row.key[1] for row in rows])
@@ -131,7 +137,8 @@ class ObjectCommands(QObject):
         words = tr("class of {what}") if rows else tr("class of the next objects")
         self._accept_rows(words, rows, lambda document, numbers: objects.classify_objects(document, numbers, category))
         if rows and category not in used and used - {category} and not known.classes[category - 1].name:
-            self.class_begun.emit(category)
+            words = tr("Class {number} is new; the tab Objects has a field for its name.", number=category)
+            self._session.messages.show(words, category=EDITING_CATEGORY)
 
     def name_class(self, category: int, name: str, color: str = "") -> None:
         """Name a class, and change its color unless that is empty."""
@@ -213,6 +220,14 @@ class ObjectCommands(QObject):
         self._merging.close()
 
     # Internal
+
+    def _has_frozen(self, rows: Sequence[ObjectRow]) -> bool:
+        """Tell whether frozen objects are among rows that are to go, and show a message about the first of them."""
+        frozen = next((row for row in rows if row.kind == "object" and row.item.frozen), None)
+        if frozen is not None:
+            words = tr("{name} is frozen: unfreeze it to remove it.", name=frozen.title)
+            self._session.messages.show(words, category=EDITING_CATEGORY)
+        return frozen is not None
 
     def _accept_rows(
         self,

@@ -15,11 +15,11 @@ from cpm_core import Result, load_image, load_volume
 from cpm_core.formats import encode_tables_of_images, load_session, project_session, write_together
 
 
-def write_table(images: Sequence[Path], path: Path, task: BackgroundTask) -> FilesExported:
+def write_table(images: Sequence[Path], empty: int, path: Path, task: BackgroundTask) -> FilesExported:
     """Write one table of the objects of images as their sessions have them; for use on a thread.
 
     Open objects, which enclose nothing, and images without objects have no rows; images that cannot be read are
-    counted. ValueError if there is no object.
+    counted; so are the `empty` ones that are done without an object. ValueError if there is no object.
     """
     counts: list[int] = []
     failed = 0
@@ -42,8 +42,12 @@ def write_table(images: Sequence[Path], path: Path, task: BackgroundTask) -> Fil
     if not any(counts):
         raise ValueError(tr("There is no object in any image of this folder yet."))
     write_together([(path, content)])
-    text = tr("{objects} objects in {images} images", objects=sum(counts), images=sum(map(bool, counts)))
-    return FilesExported(path, f"{text}; {tr('{failed} could not be used.', failed=failed)}" if failed else text)
+    parts = [tr("{objects} objects in {images} images", objects=sum(counts), images=sum(map(bool, counts)))]
+    if empty:
+        parts.append(tr("done without an object: {count}", count=empty))
+    if failed:
+        parts.append(tr("{failed} could not be used.", failed=failed))
+    return FilesExported(path, "; ".join(parts))
 
 
 def _objects_of(path: Path, task: BackgroundTask) -> Result | None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QKeyEvent
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from cpm_app.model.display.display_image import DisplayImage, measure_area_share
 from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.exchange.messages import OverlayData
@@ -41,6 +42,9 @@ _OTHER_VALUES_TEXT = tr(
 )
 """Sentence on a step that was computed with other parameters than those of the document."""
 
+_TYPING_TEXT = tr("Enter keeps what is typed, {key:escape} restores what was there.")
+"""Sentence on the keys of a field, while on the image Enter would accept something."""
+
 FIRST_TOOL = "circle"
 """Tool in use when the window opens."""
 
@@ -54,9 +58,6 @@ _ARROW_DIRECTIONS = {
 
 _RESIZE_KEYS = {Qt.Key.Key_BracketLeft: -1.0, Qt.Key.Key_BracketRight: 1.0}
 """Keys that make the selected shape or the tool smaller and larger."""
-
-_DRAFT_KEYS = (*ENTER_KEYS, Qt.Key.Key_Backspace)
-"""Keys that finish a draft or shorten it."""
 
 _PAN_STEP = 40.0
 """Distance that one press of an arrow key pans [px of the screen]."""
@@ -93,12 +94,12 @@ class CanvasArea(QWidget):
         tool_arguments = workspace, self.canvas.layers.drawing, self.update_hint
         self._tools = {kind.name: kind(*tool_arguments) for kind in TOOLS}
         self.canvas.dispatcher = ToolDispatcher(self._tools[FIRST_TOOL], SelectTool(*tool_arguments))
-        self._has_focus_from_field = False
+        self._is_typing = self._has_offers = False
+        self._mode = session.document.mode
         self._was_running = self._tells_outcome = False
         self._area: OverlayData | None = None
         self._area_share = 0.0
         self.canvas.installEventFilter(self)
-        self.canvas.pointer_moved.connect(self._on_pointer_moved)
         self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
         self.use_tool(FIRST_TOOL)
         session.messages.shown.connect(self.messages.show_message)
@@ -109,7 +110,8 @@ class CanvasArea(QWidget):
             layer.changed.connect(self.strip.legend.schedule_update)
         session.store.status_changed.connect(self.update_hint)
         self.flow.changed.connect(self._draw_scene)
-        self._selection.changed.connect(self.update_hint)
+        session.document_changed.connect(self._on_document_changed)
+        self._selection.changed.connect(self._on_proposals_changed)
         workspace.navigation.changed.connect(self._on_step_changed)
         workspace.object_list.selection_changed.connect(self.update_hint)
         self._draw_scene()
@@ -123,7 +125,8 @@ class CanvasArea(QWidget):
         self.canvas.use_tool(self._tools[name])
         if name != "select":
             self._session.select_shape(None)
-        self.crosshair.move_by(0.0, 0.0)
+        if changed:
+            self.crosshair.hide_crosshair()
         self.canvas.setFocus()
         self._tells_outcome = False
         self.update_hint()
@@ -161,6 +164,23 @@ class CanvasArea(QWidget):
             self._session.select_shape(None)
             self._workspace.contour_selection.select()
 
+    def press_enter(self) -> bool:
+        """Finish the draft, or accept what is proposed or selected; return whether there was anything to do."""
+        tool = self.canvas.dispatcher.tool
+        if tool.has_draft:
+            tool.finish()
+        elif self._can_accept:
+            self._selection.do_in_order(self._workspace.object_commands.accept_pending)
+        else:
+            return False
+        return True
+
+    def set_typing(self, is_typing: bool) -> None:
+        """Set whether the keyboard is in a field, which keeps Enter."""
+        if is_typing != self._is_typing:
+            self._is_typing = is_typing
+            self.update_hint()
+
     def update_hint(self) -> None:
         """Show below the canvas what was found and what to do next.
 
@@ -181,6 +201,8 @@ class CanvasArea(QWidget):
             engaged = self.canvas.dispatcher.is_gesturing or chosen
             first, then = (found, tool.advice) if self._tells_outcome and not engaged else (tool.advice, found)
             text = self.crosshair.advice or first or then or text
+            if self._is_typing and self._can_accept:
+                text = insert_keys(_TYPING_TEXT)
         self.strip.show_hint(text)
 
     def zoom_to_selection(self) -> None:
@@ -205,12 +227,7 @@ class CanvasArea(QWidget):
         self._session.select_shape(len(self._session.document.shapes) - 1)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle the keys of the draft and of the selection, including some that are shortcuts of the window.
-
-        An extra Enter right after a field has returned the focus accepts nothing.
-        """
-        if isinstance(event, QFocusEvent) and event.type() == QEvent.Type.FocusIn:
-            self._has_focus_from_field = event.reason() == Qt.FocusReason.ShortcutFocusReason
+        """Handle the keys of the draft and of the selection, including some that are shortcuts of the window."""
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
             key, tool = event.key(), self.canvas.dispatcher.tool
             sized = tool.is_resizable or self._session.selected_shape is not None
@@ -221,9 +238,23 @@ class CanvasArea(QWidget):
             return True
         return super().eventFilter(watched, event)
 
-    def _on_pointer_moved(self) -> None:
-        """Note that the pointer has been used since a field returned the focus."""
-        self._has_focus_from_field = False
+    @property
+    def _can_accept(self) -> bool:
+        """Whether Enter accepts something."""
+        return self._workspace.object_commands.can_accept or self._selection.selecting
+
+    def _on_document_changed(self, document: Document) -> None:
+        """Hide the cross-hair when another mode is chosen."""
+        if document.mode != self._mode:
+            self._mode = document.mode
+            self.crosshair.hide_crosshair()
+
+    def _on_proposals_changed(self) -> None:
+        """Hide the cross-hair once a run offers objects, so that Enter accepts them, unless it is drawing."""
+        had, self._has_offers = self._has_offers, any(each.key for each in self._selection.proposals)
+        if self._has_offers and not had and not self.canvas.dispatcher.is_gesturing:
+            self.crosshair.hide_crosshair()
+        self.update_hint()
 
     def _on_step_changed(self) -> None:
         """Update the hint for another step of the timeline; during a run the status does."""
@@ -246,22 +277,14 @@ class CanvasArea(QWidget):
             self.crosshair.position is not None,
             self._workspace.object_list,
         )
-        commands = self._workspace.object_commands
-        given, self._has_focus_from_field = self._has_focus_from_field, False
-        can_accept = commands.can_accept or self._selection.selecting
-        accepts = key in ENTER_KEYS and not keyed and (can_accept or objects.selected_keys)
-        if given and accepts:
-            self._session.messages.show(tr("The value is set. Enter accepts the proposal."))
-            return True
-        ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
-        if tool.has_draft and key in _DRAFT_KEYS and ends:
-            (tool.remove_last_part if key == Qt.Key.Key_Backspace else tool.finish)()
-        elif accepts:
-            if can_accept:  # objects are accepted already
-                self._selection.do_in_order(commands.accept_pending)
+        if key == Qt.Key.Key_Backspace and tool.has_draft:
+            tool.remove_last_part()
         elif key in ENTER_KEYS:
-            self.canvas.dispatcher.set_modifiers(held)
-            (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()
+            if keyed and tool.has_draft and held & Qt.KeyboardModifier.ControlModifier:
+                tool.finish()
+            elif keyed or not (self.press_enter() or objects.selected_keys):  # selected objects are accepted already
+                self.canvas.dispatcher.set_modifiers(held)
+                (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()
         elif key in _ARROW_DIRECTIONS:
             factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0
             row, col = _ARROW_DIRECTIONS[key]

@@ -30,9 +30,6 @@ from cpm_app.views.window.window import Feature, MainWindow
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.polyline import as_line
 
-_SELECTION_TOOLS = ("objects", "select", "mend")
-"""Tools with which keys act on the selection."""
-
 
 class ObjectsFeature(Feature):
     """Actions on objects and proposals by menu and keys, and their panel."""
@@ -74,7 +71,6 @@ class ObjectsFeature(Feature):
             menu.aboutToHide.connect(menu.deleteLater)
             menu.popup(QCursor.pos())
 
-        commands.class_begun.connect(self.ask_for_name)
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals, or the selected contours, as objects; Enter does the same.",
@@ -151,17 +147,17 @@ class ObjectsFeature(Feature):
         if keys:
             self._object_list.select_items((keys[(at + 1) % len(keys)],))
 
-    def ask_for_name(self, category: int = 0) -> None:
-        """Ask for the name of the selected row, or of a class."""
+    def ask_for_name(self) -> None:
+        """Ask for the name of the selected row."""
         self.window.docks.reveal_panel("objects")
-        self.panel.ask_for_name(category)
+        self.panel.ask_for_name()
 
     def handle_key(self, event: QKeyEvent) -> bool:
         """Handle the keys that act on the selection on the canvas; return whether the key was one of them."""
         tool = self.window.canvas_area.canvas.dispatcher.tool
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
-        key, selecting = event.key(), tool.name in _SELECTION_TOOLS
+        key, selecting = event.key(), tool.panel == "objects"
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._object_list.objects.classes):
             self._selection.do_in_order(partial(self._commands.classify_selected, key - Qt.Key.Key_0))
         elif selecting and key in DELETE_KEYS and self._object_list.selected_rows and not tool.has_draft:

@@ -63,11 +63,14 @@ class ImageTable(SortableTable):
             self.scrollTo(self.rows.index(row, 0))
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Open the current image on Enter."""
-        if event.key() in ENTER_KEYS and self.currentIndex().isValid():
-            self._request_image(self.currentIndex())
-        else:
+        """Open the current image on Enter, unless it is open."""
+        here = self.currentIndex()
+        if event.key() not in ENTER_KEYS:
             super().keyPressEvent(event)
+        elif here.isValid() and self.rows.item_key(here.row()) != self._project.current:
+            self._request_image(here)
+        else:
+            event.ignore()
 
     def _request_image(self, index: CellIndex) -> None:
         path = self.rows.item_key(index.row())

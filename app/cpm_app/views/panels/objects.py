@@ -44,7 +44,7 @@ from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_swatch, fill_colors
-from cpm_app.views.widgets.containers import create_wrapped_label, fill_layout
+from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import Image
 from cpm_core.numerics.types import Integers, Sides
@@ -171,9 +171,11 @@ class ObjectTable(ItemTable):
         return [row for row in self._object_list.rows if not self._kinds or row.kind in self._kinds]
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Set the class by a digit."""
+        """Set the class by a digit; leave Enter to the canvas while it accepts something."""
         digit = event.key() - Qt.Key.Key_0
-        if 1 <= digit <= len(self._object_list.objects.classes):
+        if event.key() in ENTER_KEYS and self._commands.can_accept:
+            event.ignore()
+        elif 1 <= digit <= len(self._object_list.objects.classes):
             self._commands.classify_selected(digit)
         else:
             super().keyPressEvent(event)
@@ -374,19 +376,18 @@ class ObjectPanel(QWidget):
         nothing = insert_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
         self.summary.setText(", ".join(parts) or nothing)
 
-    def ask_for_name(self, category: int) -> None:
-        """Ask for the name of a class, or of the selected row for 0.
+    def ask_for_name(self) -> None:
+        """Ask for the name of the selected row.
 
-        The name is edited in the table if several rows are selected or the table has the focus.
+        It is edited in the table if several rows are selected or the table has the focus.
         """
         self.show_selected()
-        field = self.classes[category].name if category else self.name
-        if not category and (self._shown_row is None or self.table.hasFocus()):
+        if self._shown_row is None or self.table.hasFocus():
             for index in self.table.selectionModel().selectedRows()[:1]:
                 self.table.edit_name(index.row())
         else:
-            field.setFocus()
-            field.selectAll()
+            self.name.setFocus()
+            self.name.selectAll()
 
     def showEvent(self, event: QShowEvent) -> None:
         """Create the buttons when the actions exist, and show what changed while the panel was hidden."""

@@ -6,13 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 import shiboken6
-from PySide6.QtCore import QCoreApplication, QEvent, QLocale, QObject, Qt, QTimer
+from PySide6.QtCore import QCoreApplication, QEvent, QLocale, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QGuiApplication, QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractButton,
     QAbstractItemView,
     QAbstractSpinBox,
     QApplication,
+    QCheckBox,
     QComboBox,
     QDialog,
     QLineEdit,
@@ -61,6 +62,13 @@ def is_window_key(widget: QWidget, event: QKeyEvent) -> bool:
     return isinstance(widget, QAbstractButton | QSlider)
 
 
+def is_typed_in(widget: QWidget | None) -> bool:
+    """Return whether a widget is a field in which text is typed."""
+    if isinstance(widget, QComboBox):
+        return widget.isEditable()
+    return isinstance(widget, QAbstractSpinBox | QLineEdit | QTextEdit | QPlainTextEdit)
+
+
 def read_field_value(widget: QWidget) -> Any:
     """Read the value of a field, which is the user property of its Qt class; None if it has none."""
     return (
@@ -85,16 +93,22 @@ class Keyboard(QObject):
     """Filter of the keys of the focused widget of the window; dialogs are left alone.
 
     - A character that a field cannot use acts on the window: Space runs, letters select tools.
-    - Enter accepts the value of a field and returns the focus to the canvas; it presses a button.
+    - Enter keeps what is typed in a field, presses a button, and does what a table does with it. Elsewhere it is that
+      of the canvas, `press_enter`, which returns whether there was anything to do; if not, it ticks a check box. The
+      focus returns to the canvas.
     - Escape restores the value from before the first key, and returns the focus to the canvas.
 
-    Tables keep Enter, which names a row. Only the widget with the focus is watched.
+    Only the widget with the focus is watched; when it is hidden or disabled, the canvas gets the focus.
     """
 
-    def __init__(self, window: QMainWindow, canvas: QWidget) -> None:
+    typing_changed = Signal(bool)
+    """Whether a field in which text is typed has the focus."""
+
+    def __init__(self, window: QMainWindow, canvas: QWidget, press_enter: Callable[[], bool]) -> None:
         super().__init__(window)
         self._window = window
         self._canvas = canvas
+        self._press_enter = press_enter
         self._watched: QWidget | None = None
         self._value_before: Any = None
         """Value of the watched field before the first key; None until then."""
@@ -105,7 +119,7 @@ class Keyboard(QObject):
     def focus_canvas(self) -> None:
         """Move the keyboard focus to the canvas."""
         self._canvas.window().activateWindow()
-        self._canvas.setFocus(Qt.FocusReason.ShortcutFocusReason)
+        self._canvas.setFocus()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Handle or pass on a key of the focused widget."""
@@ -118,14 +132,17 @@ class Keyboard(QObject):
     def _on_focus_changed(self, before: QWidget | None, now: QWidget | None) -> None:
         if now is None and before is not None and isinstance(dialog := before.window(), QDialog):
             QTimer.singleShot(0, self, lambda: self.reactivate_window(dialog))
-        if self._watched is not None and shiboken6.isValid(self._watched):
-            self._watched.removeEventFilter(self)
+        left = self._watched if self._watched is not None and shiboken6.isValid(self._watched) else None
+        if left is not None:
+            left.removeEventFilter(self)
         self._watched, self._value_before = None, None
-        if now is None or now is self._canvas or isinstance(now, QMenuBar | QMenu):
-            return
-        if now.window() is self._window:
+        inside = now is not None and now.window() is self._window
+        if left is not None and (inside or now is None) and not (left.isVisible() and left.isEnabled()):
+            self._canvas.setFocus()  # Qt would give it to whatever is next
+        elif now is not None and inside and now is not self._canvas and not isinstance(now, QMenuBar | QMenu):
             self._watched = now
             now.installEventFilter(self)
+        self.typing_changed.emit(is_typed_in(self._watched))
 
     def reactivate_window(self, dialog: QDialog) -> None:
         """Activate the window when a dialog has closed, which nothing else does without a window manager."""
@@ -152,27 +169,34 @@ class Keyboard(QObject):
                 restore_field_value(widget, self._value_before)
             self.focus_canvas()
             return True
-        if event.key() in ENTER_KEYS and isinstance(widget, QAbstractButton):
-            widget.click()
+        if event.key() in ENTER_KEYS and (not own or isinstance(widget, QAbstractButton)):
+            self._on_enter(widget, event)
             return True
         if own or isinstance(widget, QAbstractItemView):
             return False
-        if event.key() in ENTER_KEYS:
-            widget.removeEventFilter(self)
-            QCoreApplication.sendEvent(widget, event)
-            if event.isAccepted() or isinstance(widget, _FIELD_CLASSES):
-                self.focus_canvas()
-            else:  # a view has no value: Enter does what it does on the canvas
-                self._canvas.setFocus()
-                QCoreApplication.sendEvent(self._canvas, event)
-            event.accept()
-            return True
         if is_window_key(widget, event):
             event.ignore()  # its action is disabled now; the field must not get the key instead
             return True
         if self._value_before is None:
             self._value_before = read_field_value(widget)
         return False
+
+    def _on_enter(self, widget: QWidget, event: QKeyEvent) -> None:
+        if isinstance(widget, QAbstractButton) and not isinstance(widget, QCheckBox):
+            widget.click()
+            return
+        widget.removeEventFilter(self)
+        QCoreApplication.sendEvent(widget, event)
+        if widget is self._watched:
+            widget.installEventFilter(self)
+        used = event.isAccepted()
+        event.accept()
+        if used and isinstance(widget, QAbstractItemView):
+            return
+        if used or is_typed_in(widget) or self._press_enter() or not isinstance(widget, QCheckBox):
+            self.focus_canvas()
+        else:
+            widget.click()
 
 
 def find_sliders(panel: QWidget) -> list[QSlider]:

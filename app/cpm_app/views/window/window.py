@@ -135,7 +135,8 @@ class MainWindow(QMainWindow):
         self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
         canvas, slices = self.canvas_area.canvas, workspace.slices
-        self._keyboard = Keyboard(self, canvas)
+        self._keyboard = Keyboard(self, canvas, self.canvas_area.press_enter)
+        self._keyboard.typing_changed.connect(self.canvas_area.set_typing)
         self.offers = self.canvas_area.offers
         session.store.add_listener(
             ImageOpened, lambda _: self.offers.clear()

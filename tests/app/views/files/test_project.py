@@ -202,6 +202,43 @@ def test_proposals_are_made_on_each_untouched_image_and_reviewed_by_two_keys(win
     assert [row[1:] for row in table(window)[1:3]] == [("● done", "1")] * 2
 
 
+def test_proposals_that_are_not_accepted_are_not_lost_without_a_sentence(window, hand, folder) -> None:
+    open_project(window, hand, folder)
+    window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
+    window.session.run()
+    hand.wait(lambda: window.session.scene.objects.proposals and window.session.idle)
+    hand.canvas.setFocus()
+    hand.key(*DONE)
+    said = "Proposals that are not accepted: 1. Enter accepts them; the same key again goes on without them."
+    assert window.canvas_area.messages.text == said
+    assert (name(window), table(window)[0][1]) == ("plate1.npy", "○ untouched")
+    press(window, hand, DONE, "plate2.npy")
+    assert table(window)[0] == ("plate1.npy", "● done", "0")
+    hand.key(Qt.Key.Key_Left, ALT)
+    wait_for(window, hand, "plate1.npy")
+    hand.key(*DONE)
+    window.session.run()
+    hand.wait(lambda: window.session.scene.objects.proposals and window.session.idle)
+    hand.key(*DONE)
+    hand.key(Qt.Key.Key_Return)
+    press(window, hand, DONE, "plate2.npy")
+    assert table(window)[0] == ("plate1.npy", "● done", "1")
+
+
+def test_enter_in_the_list_of_images_accepts_what_is_proposed(window, hand, folder) -> None:
+    open_project(window, hand, folder)
+    shown = window.get_feature(ProjectFeature).panel.table
+    place = shown.visualRect(shown.rows.index(1, 0)).center()
+    hand.qtbot.mouseClick(shown.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    wait_for(window, hand, "plate2.npy")
+    window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
+    window.session.run()
+    hand.wait(lambda: window.session.scene.objects.proposals and window.session.idle)
+    shown.setFocus()
+    hand.key(Qt.Key.Key_Return)
+    assert len(window.session.document.objects.items) == 1
+
+
 def test_the_next_image_is_run_ahead_and_its_proposals_are_those_of_a_run_in_the_window(window, hand, folder) -> None:
     project, scene = window.workspace.project, lambda: window.session.scene
     open_project(window, hand, folder)
@@ -209,6 +246,7 @@ def test_the_next_image_is_run_ahead_and_its_proposals_are_those_of_a_run_in_the
     window.trigger_action("apply_to_all")
     window.session.run()
     hand.wait(lambda: scene().objects.proposals and project._prepared is not None)
+    hand.key(*DONE)
     press(window, hand, DONE, "plate2.npy")
     hand.wait(lambda: scene().objects.proposals and scene().contours)
     (ahead,) = scene().objects.proposals
@@ -241,6 +279,8 @@ def test_the_table_of_all_images_has_the_objects_of_each_with_class_and_confiden
     press(window, hand, DONE, "plate2.npy")
     add_object(window)
     add_object(window)
+    press(window, hand, DONE, "plate3.npy")
+    press(window, hand, DONE, "plate4.npy")
     target = tmp_path / "all.csv"
     monkeypatch.setattr(window.files, "ask_where_to_save", lambda *_, **__: target)
     window.trigger_action("export_all_images")
@@ -253,7 +293,7 @@ def test_the_table_of_all_images_has_the_objects_of_each_with_class_and_confiden
     ]
     assert next(iter(rows[0])) == "image"
     assert all(float(row["area_px2"]) == 100.0 and float(row["perimeter_px"]) == 40.0 for row in rows)
-    assert "3 objects in 2 images" in window.canvas_area.messages.text
+    assert "3 objects in 2 images; done without an object: 1" in window.canvas_area.messages.text
 
 
 def test_where_nothing_can_be_saved_one_sentence_says_so_and_one_can_look_on(window, hand, folder) -> None:

@@ -263,15 +263,17 @@ def test_deleted_rows_are_dismissed_and_undone_together_and_contours_stay(window
     assert window.session.document.objects.rejected == ()
 
 
-def test_a_digit_accepts_and_classes_and_the_second_class_asks_for_its_name(window, hand, drawn) -> None:
+def test_a_digit_accepts_and_classes_and_the_second_class_leaves_the_keyboard_where_it_is(window, hand, drawn) -> None:
     choose(hand, drawn, 2)
     hand.qtbot.keyClick(drawn, KEY.Key_1)
     assert [item.category for item in items(window)] == [1]
     choose(hand, drawn, column(drawn, "class").index("proposal"))
     hand.qtbot.keyClick(drawn, KEY.Key_2)
     assert [item.category for item in items(window)] == [1, 2]
+    assert window.canvas_area.messages.text == "Class 2 is new; the tab Objects has a field for its name."
+    assert drawn.hasFocus()
     field = window.get_feature(ObjectsFeature).panel.classes[2].name
-    hand.wait(field.hasFocus)
+    hand.qtbot.mouseClick(field, LEFT)
     hand.qtbot.keyClicks(field, "vessel")
     hand.qtbot.keyClick(field, KEY.Key_Return)
     assert hand.canvas.hasFocus()

@@ -15,7 +15,6 @@ from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.features.selector import find_proposals
 from cpm_app.session.scene import Proposal
 from cpm_app.session.storage.session_file import DocumentFile
-from cpm_app.views.widgets.fields import DecimalField
 from PySide6.QtCore import Qt
 
 from cpm_core import Partition, partition
@@ -261,17 +260,15 @@ def test_what_waits_is_dropped_with_the_image(window, hand, objects, monkeypatch
     assert not objects.selecting
 
 
-def test_one_enter_too_many_after_a_typed_value_accepts_nothing(window, hand, objects) -> None:
-    click(hand, 18, 18)
-    hand.key(KEY.Key_C)
-    field = next(each for each in window.findChildren(DecimalField) if each.isVisible())
-    field.setFocus()
-    hand.qtbot.keyClick(field, KEY.Key_Return)
-    assert hand.canvas.hasFocus()
-    hand.key(KEY.Key_Return)
-    assert not taken(window)
-    hand.key(KEY.Key_Return)
-    assert len(taken(window)) == 1
+def test_the_first_use_of_a_class_leaves_the_keyboard_with_the_canvas(window, hand, objects) -> None:
+    for center in (SMALL[0], LARGE[0]):
+        click(hand, *center)
+        take(hand)
+    hand.key(KEY.Key_2)
+    hand.key(KEY.Key_J)
+    assert [item.category for item in taken(window)] == [1, 2]
+    assert window.session.document.objects.classes[1].name == ""
+    assert hand.canvas.dispatcher.tool.name == "mend"
 
 
 def test_undo_takes_one_click_back_and_redo_repeats_it(window, hand, objects) -> None:
@@ -585,6 +582,7 @@ def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window,
     run_everywhere(hand)
     everywhere = next(each for each in objects.proposals if each.selection.contains(np.array([[row, col]]))[0])
     hand.key(KEY.Key_X)
+    assert window.canvas_area.messages.text == "Rejected proposals: 2. Ctrl+Z brings them back."
     hand.wait(lambda: objects.idle and not objects.proposals)
     click(hand, row, col)
     np.testing.assert_array_equal(offered(objects), everywhere.selection.mask)

@@ -92,6 +92,14 @@ def test_an_open_line_along_the_edge_is_an_open_object_with_a_length_and_no_area
     assert drawing.workspace.object_list.selected_numbers == {1}
 
 
+def test_delete_removes_the_line_that_was_just_drawn(drawing, hand) -> None:
+    click_along(hand, 0.0, 1.0, 2.0)
+    hand.key(KEY.Key_Return)
+    assert len(items(drawing)) == 1
+    hand.key(KEY.Key_Delete)
+    assert items(drawing) == ()
+
+
 def test_a_freehand_line_snaps_and_closes_where_it_began(drawing, hand) -> None:
     hand.drag(*(at(angle, RADIUS + 1.0) for angle in np.linspace(0.0, 2.0 * math.pi, 40)))
     (one,) = items(drawing)

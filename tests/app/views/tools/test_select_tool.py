@@ -154,6 +154,16 @@ def test_delete_and_the_keys_of_objects_leave_contours_as_they_are(found, hand) 
     assert found.session.document.objects.items == () and found.session.scene.contours is contours
 
 
+def test_a_frozen_object_is_neither_deleted_nor_rejected_and_a_sentence_says_why(found, hand) -> None:
+    add_objects(found, replace(disk_object(1, (60, 20)), frozen=True))
+    drag(hand, (60.0, 20.0))
+    for key in (KEY.Key_Delete, KEY.Key_X):
+        found.canvas_area.messages.clear()
+        hand.key(key)
+        assert len(found.session.document.objects.items) == 1
+        assert found.canvas_area.messages.text == "object 1 is frozen: unfreeze it to remove it."
+
+
 def test_a_double_click_names_the_object_under_the_pointer(found, hand) -> None:
     add_objects(found, disk_object(1, (20, 60)))
     hand.double_click(20.0, 60.0)

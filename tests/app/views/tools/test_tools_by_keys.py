@@ -101,10 +101,36 @@ def test_a_shape_and_its_handle_are_dragged_with_the_select_tool(window, hand, k
     row, col = window.canvas_area.crosshair.position
     window.session.edit("add", lambda document: edits.add_shape(document, Circle((row, col), 10.0)))
     hand.key(KEYS["select"])
-    keys("!>!")
+    keys("!!>!")
     assert drawn(window) == (Circle((row, col + 10), 10.0),)
     keys(">!>.>.>.!")
     assert drawn(window) == (Circle((row, col + 10), 13.0),)
+
+
+def test_another_tool_mode_or_image_hides_the_cross_hair(window, hand, keys, image_file) -> None:
+    crosshair, opened = window.canvas_area.crosshair, window.session.image
+    for change in (
+        lambda: hand.key(KEYS["barrier"]),
+        lambda: hand.key(KEY.Key_F2, MODIFIER.ControlModifier),
+        lambda: window.open_image(image_file),
+    ):
+        keys("!")
+        assert crosshair.position is not None
+        change()
+        hand.wait(lambda: crosshair.position is None)
+    hand.wait(lambda: window.session.image is not opened and window.session.idle)
+
+
+def test_the_cross_hair_gives_way_to_the_objects_that_a_run_offers(window, hand, keys) -> None:
+    window.session.edit("add", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
+    window.session.select_shape(None)
+    keys("!")
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: bool(window.workspace.object_selection.proposals))
+    assert window.canvas_area.crosshair.position is None
+    hand.wait(lambda: window.canvas_area.hint.text().startswith("1 object found"))
+    keys("!")
+    assert len(window.session.document.objects.items) == 1
 
 
 def test_a_press_of_the_pointer_hides_the_cross_hair(window, hand, keys) -> None:

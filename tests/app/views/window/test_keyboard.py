@@ -127,6 +127,77 @@ def test_enter_presses_the_focused_button(board, hand) -> None:
     assert box.hasFocus()
 
 
+@pytest.fixture
+def proposed(board, hand):
+    """The window after a run that proposes the disc."""
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    selection = board.workspace.object_selection
+    hand.wait(lambda: selection.idle and bool(selection.proposals))
+    return board
+
+
+def accepted(window) -> tuple:
+    return window.session.document.objects.items
+
+
+def test_enter_accepts_wherever_the_focus_is_but_in_a_field_of_text(proposed, hand) -> None:
+    hand.key(KEY.Key_O, MODIFIER.ControlModifier | MODIFIER.ShiftModifier)
+    table = proposed.panels["objects"].table
+    hand.wait(lambda: table.hasFocus() and table.rows.items)
+    hand.key(KEY.Key_Down)
+    for kind in ("table", "slider", "choice", "check box", "timeline"):
+        focus(hand, table if kind == "table" else fields(proposed)[kind])
+        assert "Enter accepts it" in proposed.canvas_area.hint.text()
+        hand.key(KEY.Key_Return)
+        assert (kind, len(accepted(proposed))) == (kind, 1)
+        assert hand.canvas.hasFocus()
+        hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
+        hand.wait(lambda: proposed.workspace.object_selection.idle and proposed.workspace.object_selection.proposals)
+        proposed.workspace.object_list.select_items(())
+
+
+def test_the_first_enter_after_a_slider_was_dragged_accepts(proposed, hand, beta) -> None:
+    where = beta.slider.rect().center()
+    hand.qtbot.mousePress(beta.slider, Qt.MouseButton.LeftButton, pos=where)
+    hand.qtbot.mouseRelease(beta.slider, Qt.MouseButton.LeftButton, pos=where)
+    assert beta.slider.hasFocus()
+    selection = proposed.workspace.object_selection
+    hand.wait(lambda: proposed.session.status.phase == "finished" and selection.idle and selection.proposals)
+    hand.key(KEY.Key_Return)
+    assert len(accepted(proposed)) == 1
+
+
+def test_enter_in_a_field_of_text_keeps_the_text_which_the_line_says_and_the_next_accepts(proposed, hand, beta) -> None:
+    focus(hand, beta.number)
+    assert "Enter keeps what is typed" in proposed.canvas_area.hint.text()
+    hand.key(KEY.Key_Return)
+    assert not accepted(proposed)
+    assert "Enter accepts it" in proposed.canvas_area.hint.text()
+    hand.key(KEY.Key_Return)
+    assert len(accepted(proposed)) == 1
+
+
+def test_enter_accepts_after_escape_has_left_a_field(proposed, hand, beta) -> None:
+    focus(hand, beta.number)
+    hand.key(KEY.Key_Escape)
+    hand.key(KEY.Key_Return)
+    assert len(accepted(proposed)) == 1
+
+
+def test_a_widget_that_is_hidden_or_disabled_gives_the_keyboard_to_the_canvas(board, hand) -> None:
+    rows = board.panels["run"].parameters.rows
+    fields(board)
+    focus(hand, rows["smoothing"].slider)
+    hand.qtbot.mouseClick(rows["smoothing"].findChild(QCheckBox), Qt.MouseButton.LeftButton)
+    assert not rows["smoothing"].slider.isEnabled()
+    assert hand.canvas.hasFocus()
+    focus(hand, rows["beta"].slider)
+    hand.qtbot.mouseClick(board.findChild(QToolButton, "mode_skeleton"), Qt.MouseButton.LeftButton)
+    assert not rows["beta"].isVisible()
+    assert hand.canvas.hasFocus()
+
+
 def test_a_table_that_opens_is_walked_at_once(board, hand) -> None:
     hand.key(KEY.Key_Space)
     hand.wait(lambda: board.session.status.phase == "finished" and board.workspace.object_selection.idle)
@@ -154,6 +225,7 @@ def test_the_key_of_a_panel_brings_its_tab_to_the_front_and_the_keyboard_there_a
     assert hand.canvas.hasFocus()
 
 
+@pytest.mark.own_window  # a panel remembers the slider that was used last
 def test_f6_goes_around_the_areas_that_are_seen_both_ways(board, hand) -> None:
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
