@@ -21,7 +21,7 @@ from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, OpeningFailed, WorkFinished
 from cpm_app.session.features.followed_objects import FollowedObjects
-from cpm_app.session.features.object_list import MIN_SURE_CONFIDENCE, ObjectList
+from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_rows import ItemKey
 from cpm_app.session.features.prepared_image import PreparedImage, prepare_proposals
 from cpm_app.session.features.project_table import write_table
@@ -49,6 +49,7 @@ from cpm_core.formats import (
     update_project,
 )
 from cpm_core.numerics.types import record
+from cpm_core.results import is_likely
 from cpm_core.shapes import Everywhere
 
 _SAVE_DELAY = 5000
@@ -318,8 +319,8 @@ class ImageProject(QObject):
     def _undecided_proposals(self) -> tuple[ItemKey, ...]:
         """Keys of the proposals; none if only doubtful ones are left next to objects: the user has passed over them."""
         rows = [row for row in self._list.rows if row.kind == "proposal"]
-        sure = any(row.item.confidence >= MIN_SURE_CONFIDENCE for row in rows)
-        return tuple(row.key for row in rows) if sure or not self._session.document.objects.items else ()
+        likely = any(is_likely(each.selection) for each in self._session.scene.objects.proposals)
+        return tuple(row.key for row in rows) if likely or not self._session.document.objects.items else ()
 
     @property
     def _needs_saving(self) -> bool:
