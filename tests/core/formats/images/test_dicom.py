@@ -524,19 +524,27 @@ def test_a_folder_with_too_many_files_below_is_not_searched(disc, monkeypatch):
         load_volume(disc)
 
 
-@pytest.mark.parametrize("step", [3.0, -3.0])
-@pytest.mark.parametrize("vector", [range(1, 11), range(10, 0, -1)], ids=["up", "down"])
-def test_the_place_of_slices_of_nuclear_medicine_is_that_of_the_detector(tmp_path, step, vector):
+def nuclear_volume(folder, step, vector):
+    """A volume of slices at a detector, in steps and in an order of slices."""
     detector = pydicom.Dataset()
     detector.ImagePositionPatient, detector.ImageOrientationPatient = [-76, -70, 100], [1, 0, 0, 0, 1, 0]
     found = dataset(VALUES, ImagePositionPatient=None, ImageOrientationPatient=None, SpacingBetweenSlices=step)
     found.NumberOfFrames, found.FrameIncrementPointer, found.SliceVector = len(VALUES), 0x00540080, list(vector)
     found.DetectorInformationSequence = [detector]
-    found.save_as(tmp_path / "a.dcm", enforce_file_format=True)
-    volume = load_volume(tmp_path / "a.dcm")
-    if vector[0] > 1:  # against the standard, so that it is not known which slice lies there
-        assert volume.geometry is None
-        return
+    found.save_as(folder / "a.dcm", enforce_file_format=True)
+    return load_volume(folder / "a.dcm")
+
+
+@pytest.mark.parametrize("step", [3.0, -3.0])
+def test_slices_of_nuclear_medicine_against_the_standard_have_no_place(tmp_path, step):
+    assert (
+        nuclear_volume(tmp_path, step, range(10, 0, -1)).geometry is None
+    )  # none is known to be the first
+
+
+@pytest.mark.parametrize("step", [3.0, -3.0])
+def test_the_place_of_slices_of_nuclear_medicine_is_that_of_the_detector(tmp_path, step):
+    volume = nuclear_volume(tmp_path, step, range(1, 11))
     first = 0 if step > 0 else -1  # planes lie in the order of their normal
     assert np.array_equal(volume.values[first], VALUES[0])
     assert volume.spacing == (3.0, 0.75, 0.5)
