@@ -537,9 +537,7 @@ def nuclear_volume(folder, step, vector):
 
 @pytest.mark.parametrize("step", [3.0, -3.0])
 def test_slices_of_nuclear_medicine_against_the_standard_have_no_place(tmp_path, step):
-    assert (
-        nuclear_volume(tmp_path, step, range(10, 0, -1)).geometry is None
-    )  # none is known to be the first
+    assert nuclear_volume(tmp_path, step, range(10, 0, -1)).geometry is None  # none is known to be the first
 
 
 @pytest.mark.parametrize("step", [3.0, -3.0])
