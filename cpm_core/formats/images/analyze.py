@@ -11,7 +11,7 @@ import numpy as np
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import DecodedImage, decode_bands
+from cpm_core.formats.images.decoded import DecodedImage, decode_voxels
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import Stack, find_values_of_pair
 from cpm_core.parameters.formatting import quote_value
@@ -53,9 +53,7 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
     def read_planes(time: int, _channel: int, first: int, end: int) -> DecodedImage:
         at = (slice(None), slice(None), slice(first, end), time)
         part: Any = np.array(_open_volume(path).dataobj[at[: len(sizes)]]).reshape(columns, rows, end - first).T
-        if part.dtype.fields is None:
-            return DecodedImage(part)
-        return decode_bands(np.stack([part[band] for band in part.dtype.names], axis=-1))
+        return decode_voxels(part)
 
     return Stack(
         name,

@@ -97,6 +97,12 @@ def decode_bands(samples: Numbers) -> DecodedImage:
     return decode_samples(samples[..., :3], samples[..., 3] if samples.shape[-1] == 4 else None)
 
 
+def decode_voxels(voxels: Numbers) -> DecodedImage:
+    """Decode voxels as nibabel gives them: gray levels, or red, green and blue as fields of their type."""
+    names = voxels.dtype.names
+    return decode_bands(np.stack([voxels[name] for name in names], axis=-1)) if names else DecodedImage(voxels)
+
+
 def rotate_upright(decoded: DecodedImage, orientation: int) -> DecodedImage:
     """Rotate and mirror an image by its orientation tag (1 to 8); unknown tags leave it unchanged."""
     if orientation not in range(2, 9):

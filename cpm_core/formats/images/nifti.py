@@ -17,7 +17,7 @@ import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import make_printable
-from cpm_core.formats.images.decoded import DecodedImage, decode_bands
+from cpm_core.formats.images.decoded import DecodedImage, decode_voxels
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.resolution import find_unit
 from cpm_core.formats.images.stack import Stack, find_values_of_pair, position_from_affine
@@ -94,9 +94,7 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
                 _GZIP_BLOCK
             ):  # to the end, where the checksum is verified
                 pass
-        if part.dtype.fields is None:
-            return DecodedImage(part)
-        return decode_bands(np.stack([part[band] for band in part.dtype.names], axis=-1))
+        return decode_voxels(part)
 
     return Stack(
         name,
