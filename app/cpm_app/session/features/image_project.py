@@ -226,7 +226,7 @@ class ImageProject(QObject):
     def mark(self, state: ImageState) -> None:
         """Mark the open image, and go on to the next one; if it is marked so already, remove the mark and stay.
 
-        If proposals that Enter accepts would be lost, only a message says so; asked again, the image is marked.
+        If proposals would be lost, only a message says so; asked again, the image is marked.
         """
         if self.current is None:
             return
@@ -236,7 +236,8 @@ class ImageProject(QObject):
         if offered and asked != self._asked:
             self._asked = asked
             text = tr(
-                "Proposals that are not accepted: {count}. Enter accepts them; the same key again goes on without them."
+                "Proposals that are not accepted: {count}. Accept them, or press the same key again to go on without "
+                "them."
             )
             self._session.messages.show(text.format(count=len(offered)), category=EDITING_CATEGORY)
             return

@@ -209,7 +209,7 @@ def test_proposals_that_are_not_accepted_are_not_lost_without_a_sentence(window,
     hand.wait(lambda: window.session.scene.objects.proposals and window.session.idle)
     hand.canvas.setFocus()
     hand.key(*DONE)
-    said = "Proposals that are not accepted: 1. Enter accepts them; the same key again goes on without them."
+    said = "Proposals that are not accepted: 1. Accept them, or press the same key again to go on without them."
     assert window.canvas_area.messages.text == said
     assert (name(window), table(window)[0][1]) == ("plate1.npy", "○ untouched")
     press(window, hand, DONE, "plate2.npy")
