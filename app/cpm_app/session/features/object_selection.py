@@ -472,6 +472,8 @@ class ObjectSelection(QObject):
 
     def _on_failure(self, request: SelectionRequest) -> None:
         """Give up what waits for an answer that does not come."""
+        if request is not self._request:
+            return  # the next answer is on its way
         self._answered = request
         self._waiting.clear()
         self._steps = 0

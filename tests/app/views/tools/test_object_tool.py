@@ -239,6 +239,29 @@ def test_what_waits_for_an_answer_that_does_not_come_is_given_up(window, hand, o
     assert len(taken(window)) == 1
 
 
+def test_an_older_answer_that_does_not_come_leaves_what_waits_for_a_newer_one(
+    window, hand, objects, monkeypatch
+) -> None:
+    started, fails, select, calls = threading.Event(), threading.Event(), Partition.select, []
+
+    def fail_first(*given, **more):
+        calls.append(given)
+        if len(calls) > 1:
+            return select(*given, **more)
+        started.set()
+        fails.wait(60)
+        raise ValueError("no answer")
+
+    monkeypatch.setattr(Partition, "select", fail_first)
+    objects.preview_click((43.0, 42.0))
+    hand.wait(started.is_set)
+    hand.click(18, 18)
+    hand.key(KEY.Key_Return)
+    fails.set()
+    hand.wait(lambda: objects.idle and objects.answered)
+    assert len(taken(window)) == 1
+
+
 def test_a_stroke_or_a_start_that_reaches_into_an_accepted_object_stays_out_of_it(window, hand, objects, part) -> None:
     hand.drag((43, 50), (43, 44), (43, 38), (43, 34))
     hand.wait(lambda: objects.idle and bool(objects.proposals))
