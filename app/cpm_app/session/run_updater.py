@@ -123,7 +123,8 @@ class RunUpdater:
         Unless `complete`, the gesture is still going on; unless it `resumes`, a run that has ended stays where it is.
         """
         if (before.parameters, before.mode) != (after.parameters, after.mode) and self._is_served(after):
-            self._post(call_run(None, Run.set_parameters, after.parameters))
+            running = self._store.status.phase == "running"
+            self._post(call_run(None, Run.set_parameters, after.parameters, resumes and running))
         if _find_start_inputs(before) != _find_start_inputs(after):
             self._post(call_run(None, Run.set_start, after))
         if after.image_starts and before.seeding_inputs != after.seeding_inputs:

@@ -102,11 +102,18 @@ class Run:
         """Return the seeds of the starts of a document that depend on the image."""
         return self._prepared.compute_image_seeds(document)
 
-    def set_parameters(self, parameters: Parameters) -> None:
-        """Use these parameters from the next step on."""
-        if parameters != self.parameters:
-            self.parameters = parameters
-            self.reconstruct_if_halted()
+    def set_parameters(self, parameters: Parameters, goes_on: bool = False) -> bool:
+        """Use these parameters from the next step on; return whether a run that had ended continues.
+
+        It `goes_on` if they were set during the run, which may have ended before they arrive.
+        """
+        if parameters == self.parameters:
+            return False
+        self.parameters = parameters
+        self.reconstruct_if_halted()
+        if not goes_on or self.method is None or self.state is None:
+            return False
+        return self.state.steering != self.method.steering(parameters) and self._resume_ended()
 
     def set_start(self, document: Document) -> None:
         """Show the area of a document's start as long as there is no run."""
