@@ -162,24 +162,29 @@ def test_closing_while_running_ends_both_threads(ready, hand) -> None:
     assert not names & {thread.name for thread in threading.enumerate()}
 
 
-def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, record) -> None:
-    seen = record("overlays")
+def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand) -> None:
+    session = window.session
+
+    def settled_overlays():
+        hand.wait(lambda: session.idle)
+        return session.scene.overlays
+
     hand.key(KEY.Key_7, ALT)
-    hand.wait(lambda: len(seen) == 1)
-    engine = Engine(window.session.image, PRESETS["shape"])
-    np.testing.assert_array_equal(seen[0]["edge_map"].shades, shade_edge_map(engine.edge_map(PRESETS["shape"])))
-    assert seen[0].get("field") is None
-    window.session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
-    hand.wait(lambda: len(seen) == 2)
-    np.testing.assert_array_equal(
-        seen[1]["edge_map"].shades, shade_edge_map(engine.edge_map(replace(PRESETS["shape"], smoothing=2.0)))
-    )
+    hand.wait(lambda: "edge_map" in session.scene.overlays)
+    first = settled_overlays()
+    engine = Engine(session.image, PRESETS["shape"])
+    np.testing.assert_array_equal(first["edge_map"].shades, shade_edge_map(engine.edge_map(PRESETS["shape"])))
+    assert first.get("field") is None
+    smoother = replace(PRESETS["shape"], smoothing=2.0)
+    session.edit("smoothing", lambda document: edits.set_parameter(document, "smoothing", 2.0))
+    hand.wait(lambda: session.scene.overlays["edge_map"] is not first["edge_map"])
+    np.testing.assert_array_equal(settled_overlays()["edge_map"].shades, shade_edge_map(engine.edge_map(smoother)))
     window.panels["layers"].boxes["field"].click()
-    hand.wait(lambda: len(seen) == 3)
-    np.testing.assert_array_equal(seen[2].get("field"), engine.force_field(replace(PRESETS["shape"], smoothing=2.0)))
-    window.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.0))
-    hand.wait(lambda: window.session.idle)
-    assert len(seen) == 3
+    hand.wait(lambda: "field" in session.scene.overlays)
+    field = settled_overlays()["field"]
+    np.testing.assert_array_equal(field, engine.force_field(smoother))
+    session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.0))
+    assert settled_overlays()["field"] is field
 
 
 @pytest.mark.parametrize("name", MOTION_PARAMETERS)
