@@ -17,7 +17,7 @@ from cpm_core.contours.surface import Surface, surface_from_labels
 from cpm_core.image import drawing
 from cpm_core.numerics.grids import rank_values
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
-from cpm_core.numerics.types import Array, Extent, Sides, record
+from cpm_core.numerics.types import Array, Extent, Sides, Texts, record
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 
 Labels = NDArray[np.int32]
@@ -60,6 +60,8 @@ class Truth(_LabeledTruth, drawing.Pictured):
         Boundaries of the objects [px]: between the pixels of a mask, or the contours of a file.
     source : str
         Name of the file for the user.
+    notes : tuple of str
+        What was left out or assumed when the file was read, one sentence each.
 
     Examples
     --------
@@ -75,6 +77,7 @@ class Truth(_LabeledTruth, drawing.Pictured):
     labels: Labels
     contours: tuple[Contour, ...]
     source: str = "ground truth"
+    notes: Texts = ()
 
     @cached_property
     def boundary(self) -> Array:
@@ -264,6 +267,8 @@ class VolumeTruth(_LabeledTruth):
         Name of the file for the user.
     boundary : Surface or None
         Boundaries of the objects, where they are known more precisely than halfway between voxels.
+    notes : tuple of str
+        As for `Truth`.
 
     Raises
     ------
@@ -285,6 +290,7 @@ class VolumeTruth(_LabeledTruth):
     unit: str | None = None
     source: str = "ground truth"
     boundary: Surface | None = None
+    notes: Texts = ()
 
     def __post_init__(self) -> None:
         given = as_real_array(self.labels)

@@ -7,8 +7,10 @@ import logging
 from collections.abc import Callable
 from dataclasses import field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import label_gray_levels
@@ -125,7 +127,7 @@ def read_contours(path: AnyPath, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int 
     """
     file = Path(path)
     if file.suffix.lower() not in CONTOURS_READABLE:
-        return _read_mask(file)
+        return _read_mask_outlines(file)
     return decode_contours(read_content(file), file.name, plane, page=page)
 
 
@@ -186,12 +188,20 @@ def _no_contours_error(name: str) -> ValueError:
     return ValueError(f"{name} contains no contours: choose a file with at least one line or polygon.")
 
 
-def _read_mask(file: Path) -> ContourFile:
+def read_mask(file: Path) -> tuple[NDArray[Any], Texts]:
+    """Read the gray levels of a mask, or the indices of their colors, shape (H, W), and list what was assumed."""
+    indices = mask.read_color_indices(file)
+    if indices is not None:
+        return indices, ()
+    image = load_image(file)
+    return image.values, image.notes
+
+
+def _read_mask_outlines(file: Path) -> ContourFile:
     """Read the outlines of the objects in a label mask."""
-    labels = mask.read_color_indices(file)
-    if labels is None:
-        labels = label_gray_levels(load_image(file).values, file.name)
-    found = CollectedContours(shape=(labels.shape[0], labels.shape[1]))
+    values, notes = read_mask(file)
+    labels = values if values.dtype.kind == "i" else label_gray_levels(values, file.name)  # indices are labels
+    found = CollectedContours(shape=(labels.shape[0], labels.shape[1]), notes=list(notes))
     for _, curves in mask.find_label_outlines(labels):
         found.add_object(curves)
     return _build_contour_file(found, file.name, None)

@@ -147,17 +147,17 @@ def _read_label_surfaces(file: Path, image: Image | None) -> tuple[Surface, Text
             )
         return replace(join_surfaces(bodies, image.spacing, image.unit), labels=tuple(names)), ()
     volume = image or load_volume(file)
-    values = volume.values if image is None else read_aligned_labels(file, image)
+    values, notes = (volume.values, volume.notes) if image is None else read_aligned_labels(file, image)
     labels, whole = number_gray_levels(values, file.name)
     surface = surface_from_labels(labels, volume.spacing, volume.unit)
     known = tuple(one.label for one in nrrd.read_segments(file)) or itk_snap.read_sibling_description(
         file, find_suffix(file, IMAGES_READABLE)
     )
     if known and not whole:
-        return surface, ("Its values are no whole numbers, so that the names of its labels were left out.",)
+        return surface, (*notes, "Its values are no whole numbers, so that the names of its labels were left out.")
     if known and surface.numbers is None:
         surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))
-    return replace(surface, labels=known), ()
+    return replace(surface, labels=known), notes
 
 
 def read_overlapping_parts(file: Path) -> Iterable[tuple[Label, Sequence[DecodedImage]]]:
@@ -166,8 +166,8 @@ def read_overlapping_parts(file: Path) -> Iterable[tuple[Label, Sequence[Decoded
         return dicom_seg.read_dicom_seg(file) or nrrd.read_overlapping_segments(file, nrrd.read_segments(file)) or ()
 
 
-def read_aligned_labels(file: Path, volume: Image) -> Array:
-    """Read the values of a label volume in the axis order of the volume that it belongs to.
+def read_aligned_labels(file: Path, volume: Image) -> tuple[Array, Texts]:
+    """Read the values of a label volume in the axis order of the volume that it belongs to, and list what was assumed.
 
     If only a part of it was saved, as some programs do around nonzero labels, the rest is 0. The values have the shape
     of `volume`. ValueError when the file cannot be read, has another size, or lies elsewhere in space.
@@ -177,7 +177,7 @@ def read_aligned_labels(file: Path, volume: Image) -> Array:
         found = read_volume(stack, Reading())
     values = np.zeros(volume.shape)
     _add_aligned_labels(found, file.name, volume, values)
-    return values
+    return values, found.notes
 
 
 def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Array) -> None:
