@@ -19,7 +19,9 @@ def labels(tmp_path):
         values[2:6, 5:12, 6:13] = 1
         part = values if axes == 3 else values[4]
         stored = np.stack([part, 0 * part], axis=axes - 2)
-        tifffile.imwrite(tmp_path / "labels.tif", stored, photometric="minisblack", metadata={"axes": "ZCYX"[-stored.ndim :]})
+        tifffile.imwrite(
+            tmp_path / "labels.tif", stored, photometric="minisblack", metadata={"axes": "ZCYX"[-stored.ndim :]}
+        )
         return tmp_path / "labels.tif"
 
     return write
