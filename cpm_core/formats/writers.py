@@ -284,8 +284,7 @@ def export(
                 raise
             refused(file, str(error))
     for file, _ in contents:
-        labels = isinstance(result, np.ndarray)  # of which nothing is left out
-        if not labels and (missing := describe_omissions(found, find_format_suffix(file), outlines=outlines)):
+        if missing := describe_omissions(found, find_format_suffix(file), outlines=outlines):
             warn(f"{file}: {missing}")
     write_together(contents)
 
@@ -334,8 +333,8 @@ def count_left_out(result: Outcome | Centerlines, suffix: str, *, outlines: bool
 
 
 def describe_omissions(result: Outcome | Centerlines, suffix: str, *, outlines: bool = False) -> str:
-    """Describe what a file with this suffix omits of a result, in a sentence or two; empty if nothing."""
-    sentences = []
+    """Describe what a file with this suffix does not keep of a result, in some sentences; empty if nothing."""
+    sentences = [nifti.describe_displacement(result)] if suffix in _DESCRIBED_SUFFIXES else []
     count = count_left_out(result, suffix, outlines=outlines)
     what = "a mask" if suffix in MASK_SUFFIXES else "a COCO file"
     if count:
@@ -348,7 +347,7 @@ def describe_omissions(result: Outcome | Centerlines, suffix: str, *, outlines: 
     if hidden:
         one, several = "has no pixel of its own and is", "contours have no pixel of their own and are"
         sentences.append(f"{format_count(hidden, f'closed contour {one}', f'closed {several}')} not in a mask.")
-    return " ".join(sentences)
+    return " ".join(filter(None, sentences))
 
 
 def to_bytes(

@@ -7,7 +7,7 @@ import itertools
 import logging
 import math
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +22,7 @@ from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.resolution import find_unit
 from cpm_core.formats.images.stack import Stack, find_values_of_pair, position_from_affine
 from cpm_core.image.geometry import Geometry, Triple, freeze_matrix
-from cpm_core.numerics.types import Texts
+from cpm_core.numerics.types import Array, Texts
 from cpm_core.parameters.formatting import quote_value
 
 FILE_KINDS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed"}
@@ -121,14 +121,18 @@ def _add_qform(geometry: Geometry, volume: Any, spacing: Triple, unit: str) -> t
     except ValueError:
         return replace(geometry, codes=(codes[0], 0)), ("Its qform is not valid and was left out.",)
     sform = geometry.affine(spacing)
-    ends = np.array(volume.shape[:3][::-1] if len(volume.shape) > 2 else (1, *volume.shape[::-1])) - 1.0
-    corners = np.array([(*corner, 1.0) for corner in itertools.product(*((0.0, end) for end in ends))]).T
-    apart = float(np.linalg.norm((qform - sform)[:3] @ corners, axis=0).max())
+    apart = measure_displacement(qform - sform, (*volume.shape, 1)[2::-1])
     if apart <= _SAME_PLACE * min(spacing):
         return geometry, ()
     to_qform = freeze_matrix(qform @ np.linalg.inv(sform))
     said = f"Its sform and its qform lie up to {apart:.3g} {unit} apart: the sform was taken."
     return replace(geometry, to_qform=to_qform), (f"{said} Labels keep both as NIfTI, in other files only the sform.",)
+
+
+def measure_displacement(difference: Array, shape: Sequence[int]) -> float:
+    """Measure how far two matrices with a difference, shape (4, 4), place the voxels of a volume apart at most."""
+    corners = np.array([(*corner, 1.0) for corner in itertools.product(*((0.0, side - 1.0) for side in shape))])
+    return float(np.linalg.norm(corners @ difference[:3].T, axis=1).max())
 
 
 def _find_reader_class(head: bytes) -> str | None:

@@ -23,7 +23,7 @@ from cpm_core.parameters.formatting import format_count, format_repr, quote_valu
 _GRAY_LEVEL_MEMORY = 16
 """Memory for a voxel besides its stored value while it is read: its gray level and a copy of it [bytes]."""
 
-_MAX_SILENT_SLANT = 0.5
+MAX_SILENT_SLANT = 0.5
 """Largest deviation of axes from right angles without a note [degrees]."""
 
 ALL_COLORS = -1
@@ -169,7 +169,7 @@ def read_volume(stack: Stack, reading: Reading) -> DecodedImage:
     geometry = stack.geometry
     if geometry is not None and first:
         geometry = geometry.starting_at((first, 0, 0), stack.spacing)
-    if geometry is not None and geometry.slant > _MAX_SILENT_SLANT:
+    if geometry is not None and geometry.slant > MAX_SILENT_SLANT:
         notes.append(
             f"Its axes are {geometry.slant:.1f}° off right angles; lengths were taken as if they were at right angles."
         )
