@@ -31,9 +31,9 @@ def encode_nrrd(result: Outcome, *, outlines: bool = False) -> bytes:
     """Encode the label mask of a result or a skeleton as compressed NRRD, columns first: one slice, or a volume.
 
     Its position is that of the image, as for NIfTI; see `locate_mask`. ITK takes all numbers of NRRD for millimeters,
-    into which it converts the sizes of pictures without a place: so does this. Provenance is a key of the header. Labels with
-    names or colors are segments of Slicer. The same result always gives the same bytes. ValueError when there is
-    nothing to paint.
+    into which it converts the sizes of pictures without a place: so does this. Provenance is a key of the header.
+    Labels with names or colors are segments of Slicer. The same result always gives the same bytes. ValueError when
+    there is nothing to paint.
     """
     mask = paint_labels(result, outlines=outlines)
     affine, unit = locate_mask(result, "LPS")
