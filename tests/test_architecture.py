@@ -44,6 +44,7 @@ LATE_LIBRARIES = {
     "cpm_core.chunked.results": {"pyarrow"},
     "cpm_core.chunked.volume_results": {"pyarrow"},
     "cpm_core.formats.images.ome_zarr": {"zarr"},
+    "cpm_core.formats.images.tiff": {"zarr"},
     "cpm_core.formats.contours.dxf": {"ezdxf"},
     "cpm_core.formats.contours.geojson": {"shapely"},
     "cpm_core.formats.contours.svg": {"svgelements"},

@@ -28,6 +28,7 @@ from cpm_core.formats.images import (
     analyze,
     dicom,
     metaimage,
+    microscopy,
     nifti,
     nrrd,
     numpy_array,
@@ -37,6 +38,7 @@ from cpm_core.formats.images import (
     tiff,
 )
 from cpm_core.formats.images.decoded import DecodedImage
+from cpm_core.formats.images.multiscale import MultiscaleImage
 from cpm_core.formats.images.reading import Reading, check_unit
 from cpm_core.formats.images.stack import PageAxis, Pages, Stack, read_plane, read_volume
 from cpm_core.image.colors import LUMINANCE_CHOICE, LUMINANCE_NOTE, gray_from_color
@@ -59,16 +61,23 @@ class ImageReader(Protocol):
         """Open a file of one or several planes; a damaged one may raise any exception."""
 
 
-_IMAGE_READERS: tuple[ImageReader, ...] = (dicom, tiff, numpy_array, nifti, analyze, nrrd, metaimage, raster)
+_IMAGE_READERS: tuple[ImageReader, ...] = (
+    dicom,
+    tiff,
+    microscopy,
+    numpy_array,
+    nifti,
+    analyze,
+    nrrd,
+    metaimage,
+    raster,
+)
 """Readers in the order they are tried: DICOM files may begin like TIFF, and the last one takes what no other reads."""
 
 _SIGNATURE_SIZE = 512
 """Bytes that identify a format; signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
 
 _FOREIGN_SIGNATURES: tuple[tuple[int, bytes, str], ...] = (
-    (0, b"ZISRAWFILE", "a CZI file of Zeiss"),
-    (0, b"\xda\xce\xbe\x0a", "an ND2 file of Nikon"),
-    (0, b"p\0\0\0", "a LIF file of Leica"),
     (0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an OIB or ZVI file of a microscope, or a document"),
     (0, b"\x89HDF\r\n\x1a\n", "an HDF5 file"),
     (0, b"MATLAB 5.0 MAT-file", "a MATLAB file"),
@@ -287,6 +296,13 @@ def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
     file = Path(path)
     with _explain_errors(file):
         return _open_file(file, Reading(series=series))
+
+
+def open_levels(path: AnyPath, reading: Reading) -> MultiscaleImage | None:
+    """Open all resolutions of an image that is read in parts; None for other images."""
+    file = Path(path)
+    with _explain_errors(file):
+        return _open_file(file, reading).levels
 
 
 def _parse_spacing(spacing: ArrayLike | None) -> tuple[float, ...] | None:

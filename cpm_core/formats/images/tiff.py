@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+import importlib.util
 import logging
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.content import UnreadableError, missing_package_message
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count, decode_samples, rotate_upright
+from cpm_core.formats.images.decoded import (
+    MAXIMUM_PIXELS,
+    DecodedImage,
+    check_pixel_count,
+    decode_samples,
+    rotate_upright,
+)
+from cpm_core.formats.images.multiscale import MultiscaleImage
 from cpm_core.formats.images.reading import Reading, select_series
-from cpm_core.formats.images.stack import ALL_COLORS, Stack, stack_planes
+from cpm_core.formats.images.stack import ALL_COLORS, Stack, stack_from_levels, stack_planes
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA_VALUE
-from cpm_core.numerics.types import Index, Numbers, Texts
+from cpm_core.numerics.types import Extent, Index, Numbers, Texts, frozen
 
 if TYPE_CHECKING:
     import tifffile
@@ -28,7 +36,11 @@ if TYPE_CHECKING:
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
-FILE_KINDS = {".tif": "TIFF image or stack", ".tiff": "TIFF image or stack"}
+FILE_KINDS = {
+    ".tif": "TIFF image or stack",
+    ".tiff": "TIFF image or stack",
+    **dict.fromkeys((".svs", ".ndpi", ".scn"), "whole slide"),
+}
 
 _TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 """First bytes of TIFF and BigTIFF of either byte order."""
@@ -66,6 +78,9 @@ _NO_UNIT = 1
 _POLYNOMIALS = {0: 1, 1: 2, 2: 3, 3: 4}
 """Code of a calibration of ImageJ that is a polynomial -> its degree."""
 
+_SLIDE_COLORS = (_PHOTOMETRIC_BLACK_IS_ZERO, _PHOTOMETRIC_RGB, _PHOTOMETRIC_YCBCR)
+"""Tags for gray levels and colors of images that are read in parts."""
+
 _PIXEL_AXES = "YXS"
 """Axes within a page: rows, columns, samples."""
 
@@ -94,10 +109,13 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         series = all_series[number]
         if series.dtype is None or min(series.shape) < 1:
             raise ValueError("it has no pixels")
-        check_pixel_count(name, int(series.keyframe.imagelength), int(series.keyframe.imagewidth))
-        pages = _index_pages(series, name)
         keyframe = series.keyframe
         depth, (row, col), unit = _read_voxel_size(file, keyframe, number)
+        if keyframe.imagelength * keyframe.imagewidth > MAXIMUM_PIXELS and keyframe.photometric in _SLIDE_COLORS:
+            place = (depth or row, row, col), unit, names, number
+            return stack_from_levels(_open_levels(path, name, series, place))
+        check_pixel_count(name, int(keyframe.imagelength), int(keyframe.imagewidth))
+        pages = _index_pages(series, name)
         curve, calibrated = _parse_calibration(file.imagej_metadata or {}, keyframe)
         bands = _count_bands(keyframe)
         size = dict(zip(series.axes, series.shape, strict=True))
@@ -136,6 +154,39 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         has_plane_spacing=depth is not None,
         has_colors=has_colors,
     )
+
+
+@frozen
+class _TiffLevel:
+    """A level of resolution in a TIFF, parts of which are read by tifffile and zarr."""
+
+    path: Path
+    series: int
+    level: int
+    shape: Extent
+    dtype: np.dtype[Any]
+
+    def __getitem__(self, index: tuple[int | slice, ...]) -> Numbers:
+        """Read a part."""
+        import tifffile
+        import zarr
+
+        with tifffile.imread(self.path, series=self.series, level=self.level, aszarr=True) as store:
+            return np.asarray(zarr.open(store, mode="r")[index])
+
+
+def _open_levels(path: Path, name: str, series: tifffile.TiffPageSeries, place: tuple[Any, ...]) -> MultiscaleImage:
+    """Open all levels of a series that is too large to be read as a whole, such as a slide; `place` has the rest."""
+    if importlib.util.find_spec("zarr") is None:
+        raise UnreadableError(missing_package_message(name, "zarr", "cpm-particles[microscopy]"))
+    axes = series.axes.lower().replace("i", "z").replace("q", "z")
+    if not set("yx") <= set(axes) <= set("tczyxs") or len(set(axes)) < len(axes):
+        raise UnreadableError(f"{name} has the axes {series.axes}: save one volume or plane of it.")
+    arrays = tuple(
+        _TiffLevel(path, place[-1], number, tuple(level.shape), level.dtype)
+        for number, level in enumerate(series.levels)
+    )
+    return MultiscaleImage(name, arrays, axes, *place)
 
 
 def _list_series(file: tifffile.TiffFile) -> list[tifffile.TiffPageSeries]:
@@ -289,6 +340,11 @@ def _read_voxel_size(
         sizes = [_parse_size(entries.get(f"PhysicalSize{axis}")) for axis in "ZYX"]
         units = [entries.get(f"PhysicalSize{axis}Unit", resolution.MICROMETER) for axis in "ZYX"]
     else:
+        if file.is_svs:
+            import tifffile
+
+            side = _parse_size(tifffile.tifffile.svs_description_metadata(page.description).get("MPP"))
+            return None, (side or 1.0, side or 1.0), resolution.MICROMETER if side else None
         per_meter = page.get_resolution(_PER_METER_UNIT)
         plain, unit = resolution.spacing_from_density(*per_meter[::-1])
         relative = unit is None and page.tags.valueof("ResolutionUnit", default=_NO_UNIT) == _NO_UNIT

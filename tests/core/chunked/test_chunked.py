@@ -14,7 +14,7 @@ from cpm_core.chunked.seams import join_pieces
 from cpm_core.chunked.store import ContourPiece, RunStore
 from cpm_core.contours.agreement import distances_to_contours
 from cpm_core.contours.contour import Contour
-from cpm_core.formats.images import ome_zarr
+from cpm_core.formats.images import ome_zarr, stack
 from cpm_core.formats.images.reading import Reading
 
 pytest.importorskip("zarr", reason="the extra `scale` is not installed")
@@ -237,7 +237,7 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
     image = cpm.load_image(source.path)
     assert (image.values == picture()).all()
     assert (image.spacing, image.unit, image.notes) == ((0.5, 0.5), "µm", ())
-    monkeypatch.setattr(ome_zarr, "MAXIMUM_PIXELS", 2**19)
+    monkeypatch.setattr(stack, "MAXIMUM_PIXELS", 2**19)
     values = np.arange(1200 * 800, dtype=np.uint32).reshape(1200, 800)
     ome_zarr.create_multiscale(tmp_path / "x.zarr", values.shape, values.dtype, SIDE)
     ome_zarr.write_window(tmp_path / "x.zarr", 0, np.s_[:, :], values)
