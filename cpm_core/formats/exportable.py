@@ -36,8 +36,8 @@ Exportable = (
 )
 """Everything that can be exported."""
 
-_MAX_LABEL = 2**24
-"""Largest number of a label, since each number up to the largest takes memory."""
+_MAX_LABEL = int(np.iinfo(np.int32).max)
+"""Largest number of a label."""
 
 
 def as_result(given: Exportable, image: Image | None = None) -> Outcome | Centerlines:

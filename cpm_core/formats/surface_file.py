@@ -22,7 +22,7 @@ from cpm_core.formats.masks import dicom_seg, itk_snap, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, vtk
 from cpm_core.formats.meshes.coordinates import find_voxel_transform
 from cpm_core.formats.meshes.triangles import ParsedTriangles
-from cpm_core.image.geometry import Convention
+from cpm_core.image.geometry import Convention, Geometry, geometry_from_affine
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Texts
 
@@ -185,35 +185,56 @@ def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Ar
 
     `into` has the shape of `volume`. ValueError when labels lie elsewhere in space, or have another size.
     """
-    from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
-
     values: Array = np.asarray(labels.values, float)
     part: tuple[slice, ...] = (slice(None),) * 3
     if labels.geometry is not None and volume.geometry is not None:
-        spacing = labels.spacing
-        if len(values) == 1:  # a slice, as thick as those of the volume
-            across = labels.geometry.affine((1.0, 1.0, 1.0), "LPS")[:3, 0]
-            thick = np.abs(np.linalg.solve(volume.geometry.affine(volume.spacing, "LPS")[:3, :3], across)).max()
-            spacing = (1.0 / float(thick), *spacing[1:])
-        measured = labels.unit == volume.unit and np.allclose(sorted(spacing), sorted(volume.spacing), rtol=1e-3)
-        sides = (spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else spacings were set by hand
-        there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
-        to_volume = np.linalg.solve(here, there)
-        turn = io_orientation(to_volume)
-        lies = to_volume @ inv_ornt_aff(turn, values.shape)
-        values, most = apply_orientation(values, turn), _MAX_MISALIGNMENT
-        first = np.rint(lies[:3, 3]).astype(int)
-        last = first + values.shape
-        if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
-            lies[:3, 3] -= first
-            part, most = tuple(map(slice, first, last)), _MAX_PART_MISALIGNMENT
-        aside = np.abs(lies - np.eye(4))[:3]
-        if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > most:
+        qform, _ = geometry_from_affine(volume.geometry.qform_affine(volume.spacing)[:, [2, 1, 0, 3]], "LPS")
+        places = (volume.geometry, replace(qform, convention=volume.geometry.convention))
+        aligned = (_align_labels(labels, labels.geometry, volume, place) for place in places)
+        found = next(filter(None, aligned), None)
+        if found is None:
             raise ValueError(
                 f"{name} lies elsewhere in space than {volume.source}: choose the labels of this volume, or "
                 "save them without a place, as .npy or .tif."
             )
+        values, part = found
     if values.shape != into[part].shape:
         has, wanted = (" x ".join(map(str, shape)) for shape in (labels.values.shape, volume.shape))
         raise ValueError(f"{name} has {has} voxels, but this volume has {wanted}: choose the labels of this volume.")
     into[part] += values
+
+
+def _align_labels(
+    labels: DecodedImage, lies_at: Geometry, volume: Image, place: Geometry
+) -> tuple[Array, tuple[slice, ...]] | None:
+    """Turn the values of labels as a volume lies at a place, by its sform or qform; None if they lie elsewhere.
+
+    Returns
+    -------
+    values : ndarray
+        The values, in the axis order of the volume.
+    part : tuple of slice
+        The voxels that they are of.
+    """
+    from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
+
+    values: Array = np.asarray(labels.values, float)
+    part: tuple[slice, ...] = (slice(None),) * 3
+    spacing = labels.spacing
+    if len(values) == 1:  # a slice, as thick as those of the volume
+        across = lies_at.affine((1.0, 1.0, 1.0), "LPS")[:3, 0]
+        thick = np.abs(np.linalg.solve(place.affine(volume.spacing, "LPS")[:3, :3], across)).max()
+        spacing = (1.0 / float(thick), *spacing[1:])
+    measured = labels.unit == volume.unit and np.allclose(sorted(spacing), sorted(volume.spacing), rtol=1e-3)
+    sides = (spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else spacings were set by hand
+    to_volume = np.linalg.solve(place.affine(sides[1], "LPS"), lies_at.affine(sides[0], "LPS"))
+    turn = io_orientation(to_volume)
+    lies = to_volume @ inv_ornt_aff(turn, values.shape)
+    values, most = apply_orientation(values, turn), _MAX_MISALIGNMENT
+    first = np.rint(lies[:3, 3]).astype(int)
+    last = first + values.shape
+    if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
+        lies[:3, 3] -= first
+        part, most = tuple(map(slice, first, last)), _MAX_PART_MISALIGNMENT
+    aside = np.abs(lies - np.eye(4))[:3]
+    return (values, part) if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() <= most else None

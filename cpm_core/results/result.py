@@ -111,10 +111,11 @@ class Result(drawing.Pictured):
     def labels(self) -> NDArray[np.int32]:
         """Label of each pixel or voxel, an array in the shape of the image, read-only; 0 outside.
 
-        Every closed contour fills its inside with its own label, counted from 1 in the order of `contours`; one inside
-        another has its own, so that the hole of a ring differs from the ring. The holes of selected objects have the
-        label 0. Open contours have none; see `faces`. In a volume each object inside a closed surface has a label, the
-        largest 1; without such a surface all are 0. Files of labels hold the same array.
+        Every closed contour fills its inside with its own label: the number of its object, or else counted from 1 in
+        the order of `contours`. One inside another has its own, so that the hole of a ring differs from the ring. The
+        holes of selected objects have the label 0. Open contours have none; see `faces`. In a volume each object inside
+        a closed surface has a label, the largest 1; without such a surface all are 0. Files of labels hold the same
+        array.
         """
         found = np.zeros(self.shape, np.int32)
         if self.surface is not None and self.surface.closed:

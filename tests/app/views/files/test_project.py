@@ -286,7 +286,7 @@ def test_the_table_of_all_images_has_the_objects_of_each_with_class_and_confiden
     window.trigger_action("export_all_images")
     hand.wait(lambda: target.exists() and window.session.idle)
     rows = list(csv.DictReader(target.read_text("utf-8").splitlines()))
-    assert [(row["image"], row["object"], row["class"], row["confidence"]) for row in rows] == [
+    assert [(row["image"], row["label"], row["class"], row["confidence"]) for row in rows] == [
         ("plate1.npy", "1", "object", "0.75"),
         ("plate2.npy", "1", "object", "0.5"),
         ("plate2.npy", "2", "object", "0.5"),
