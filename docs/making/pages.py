@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from making import command_line, figures, formats, notebooks, parameters, reference, rows
+from making import command_line, figures, formats, headers, notebooks, parameters, reference, rows
 
 ROOT = Path(__file__).parents[2]
 """The folder of the project."""
@@ -20,6 +20,7 @@ def make(folder: Path) -> None:
         "command_line.md": command_line.text(),
         "readable.md": formats.readable(),
         "writable.md": formats.writable(),
+        "headers.md": headers.headers(),
         "contours_readable.md": formats.contours_readable(),
         "surfaces_readable.md": formats.surfaces_readable(),
         "rows.md": rows.table(),

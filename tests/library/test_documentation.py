@@ -24,7 +24,7 @@ DOCS = ROOT / "docs"
 
 sys.path.append(str(DOCS))
 
-from making import command_line, formats, notebooks, parameters, reference, rows  # noqa: E402
+from making import command_line, formats, headers, notebooks, parameters, reference, rows  # noqa: E402
 
 SCRIPTS = sorted((DOCS / "notebooks").glob("*.py"))
 PAGES = sorted(path for path in DOCS.rglob("*.md") if not {"_made", "_build"} & set(path.parts))
@@ -134,3 +134,21 @@ def test_examples_of_pages_are_python_that_names_what_there_is(page):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "cpm"
     }
     assert named <= set(cpm.__all__)
+
+
+@pytest.mark.parametrize(
+    ("kind", "entry", "note"),
+    [
+        ("TIFF", "PhysicalSize", "Gray levels were calibrated as its description says."),
+        ("NIfTI", "sform_code", "Its qform is not valid and was left out."),
+        ("DICOM", "ImagePositionPatient", "It counts from white to black and was inverted."),
+        ("MetaImage", "elementspacing", ""),
+        ("NRRD", "space directions", ""),
+    ],
+)
+def test_what_readers_take_and_report_is_listed(kind, entry, note):
+    (line,) = (line for line in headers.headers().splitlines() if line.startswith(f"| {kind} |"))
+    _, _, entries, notes, _ = line.split(" | ".strip())
+    assert f"`{entry}`" in entries
+    assert note in notes
+    assert "is damaged" not in notes
