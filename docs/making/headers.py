@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 from types import ModuleType
 
 from cpm_core.formats.images import (
-    analyze,
     dicom,
     dicom_series,
     metaimage,
@@ -28,8 +27,7 @@ _READERS: dict[str, tuple[ModuleType, ...]] = {
     "PNG, JPEG and other pictures": (raster,),
     "TIFF": (tiff,),
     "CZI, LIF, ND2": (microscopy,),
-    "NIfTI": (nifti,),
-    "Analyze 7.5": (analyze,),
+    "NIfTI, Analyze 7.5": (nifti,),
     "DICOM": (dicom, dicom_series),
     "NRRD": (nrrd,),
     "MetaImage": (metaimage,),

@@ -140,7 +140,7 @@ def test_examples_of_pages_are_python_that_names_what_there_is(page):
     ("kind", "entry", "note"),
     [
         ("TIFF", "PhysicalSize", "Gray levels were calibrated as its description says."),
-        ("NIfTI", "sform_code", "Its qform is not valid and was left out."),
+        ("NIfTI, Analyze 7.5", "sform_code", "Its qform is not valid and was left out."),
         ("DICOM", "ImagePositionPatient", "It counts from white to black and was inverted."),
         ("MetaImage", "elementspacing", ""),
         ("NRRD", "space directions", ""),

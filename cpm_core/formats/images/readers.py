@@ -25,7 +25,6 @@ from cpm_core.formats.common.content import (
 )
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import (
-    analyze,
     dicom,
     metaimage,
     microscopy,
@@ -67,7 +66,6 @@ _IMAGE_READERS: tuple[ImageReader, ...] = (
     microscopy,
     numpy_array,
     nifti,
-    analyze,
     nrrd,
     metaimage,
     raster,
@@ -359,7 +357,7 @@ def _find_header(file: Path) -> Path:
     if file.suffix.lower() != ".img" or not header.is_file():
         return file
     head = read_content(header, head_size=_SIGNATURE_SIZE)
-    return header if nifti.can_read(head, header) or analyze.can_read(head, header) else file
+    return header if nifti.can_read(head, header) else file
 
 
 def _open_file(file: Path, reading: Reading) -> Stack:
