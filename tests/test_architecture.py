@@ -34,6 +34,7 @@ LATE_LIBRARIES = {
     "cpm_core.contours.region_table": {"shapely"},
     "cpm_core.image.regions": {"shapely"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},
+    "cpm_core.formats.common.content": {"fsspec"},
     "cpm_core.formats.images.nifti": {"nibabel"},
     "cpm_core.formats.images.nrrd": {"nrrd"},
     "cpm_core.formats.images.dicom": {"pydicom", "imagecodecs"},

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import label_gray_levels
-from cpm_core.formats.common.content import AnyPath, explain_decoding_errors, read_content
+from cpm_core.formats.common.content import AnySource, explain_decoding_errors, find_local_file, read_content
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
 from cpm_core.formats.contours.contents import CollectedContours, PlaneInfo
 from cpm_core.formats.images.readers import load_image
@@ -61,7 +61,7 @@ class ContourFile:
 
 
 def load_contours(
-    path: AnyPath,
+    path: AnySource,
     image: Image | None = None,
     *,
     page: int | None = None,
@@ -71,7 +71,7 @@ def load_contours(
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A file with one of the suffixes `CONTOURS_READABLE`, written by `export` or by another program, or a label mask,
         whose objects are outlined. The kind of JSON is recognized by its content.
     image : Image, optional
@@ -104,11 +104,12 @@ def load_contours(
     >>> box.closed, box.area
     (True, 36.0)
     """
-    found = read_contours(path, describe_plane(image), page=page)
+    file = find_local_file(path)
+    found = read_contours(file, describe_plane(image), page=page)
     for note in found.notes:
-        warn(f"{Path(path).name}: {note}")
+        warn(f"{file.name}: {note}")
     if not found.contours:
-        raise _no_contours_error(Path(path).name)
+        raise _no_contours_error(file.name)
     return found.contours
 
 
@@ -120,12 +121,12 @@ def describe_plane(image: Image | None) -> PlaneInfo:
     return PlaneInfo((rows, cols), (height, width), image.unit, image.source)
 
 
-def read_contours(path: AnyPath, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int | None = None) -> ContourFile:
+def read_contours(path: AnySource, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int | None = None) -> ContourFile:
     """Read contours and single points, with the shape of the image where the file gives it; see `load_contours`.
 
     A file that holds only single points is no error.
     """
-    file = Path(path)
+    file = find_local_file(path)
     if file.suffix.lower() not in CONTOURS_READABLE:
         return _read_mask_outlines(file)
     return decode_contours(read_content(file), file.name, plane, page=page)

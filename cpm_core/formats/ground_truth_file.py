@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core.contours.ground_truth import Truth, VolumeTruth, label_gray_levels, truth_from_contours, truth_from_mask
 from cpm_core.contours.surface import label_voxels
-from cpm_core.formats.common.content import AnyPath
+from cpm_core.formats.common.content import AnySource, find_local_file
 from cpm_core.formats.contour_file import CONTOURS_READABLE, ContourFile, read_contours, read_mask
 from cpm_core.formats.contours.contents import PlaneInfo
 from cpm_core.formats.surface_file import SURFACES_READABLE, read_aligned_labels, read_overlapping_parts, read_surface
@@ -21,7 +21,7 @@ _MAX_OVERHANG = 1.0
 
 
 def load_truth(
-    path: AnyPath,
+    path: AnySource,
     shape: Sequence[int],
     *,
     holes: bool = True,
@@ -33,7 +33,7 @@ def load_truth(
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A mask, any image that `load_image` reads: its lowest gray level is the background, each other level an object,
         and two levels make one class. Or contours, any file that `load_contours` reads: closed ones are objects.
     shape : sequence of int
@@ -67,7 +67,7 @@ def load_truth(
     >>> int(truth.objects.max())
     1
     """
-    file, rows, cols = Path(path), *map(int, shape)
+    file, rows, cols = find_local_file(path), *map(int, shape)
     if file.suffix.lower() in CONTOURS_READABLE:
         plane = PlaneInfo((rows, cols), (float(spacing[0]), float(spacing[1])), unit, name)
         found = _read_fitting_contours(file, plane, (rows, cols))
@@ -78,12 +78,12 @@ def load_truth(
     return replace(truth_from_mask(values, file.name), notes=notes)
 
 
-def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
+def load_volume_truth(path: AnySource, volume: Image) -> VolumeTruth:
     """Read the ground truth of a volume.
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A label volume, any file that `load_volume` reads: its lowest gray level is the background, each other level an
         object, and two levels make one class. Or a closed surface, any file that `load_surface` reads.
     volume : Image
@@ -107,7 +107,7 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
     >>> cpm.load_volume_truth("labels.npy", volume)
     <VolumeTruth labels.npy, 31 x 31 x 31 voxels, 1 object>
     """
-    file = Path(path)
+    file = find_local_file(path)
     if file.suffix.lower() in CONTOURS_READABLE:
         raise ValueError(f"{file.name} contains contours, which lie in a plane: choose labels or a surface.")
     if file.suffix.lower() in SURFACES_READABLE or read_overlapping_parts(file):

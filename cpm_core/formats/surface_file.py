@@ -13,7 +13,7 @@ from cpm_core.contours.contour import Label
 from cpm_core.contours.ground_truth import number_gray_levels
 from cpm_core.contours.surface import Surface, join_surfaces, surface_from_labels
 from cpm_core.formats.common.atomic import find_suffix
-from cpm_core.formats.common.content import AnyPath, explain_decoding_errors, read_content
+from cpm_core.formats.common.content import AnySource, explain_decoding_errors, find_local_file, read_content
 from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.readers import IMAGES_READABLE, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading
@@ -50,7 +50,7 @@ _MAX_PART_MISALIGNMENT = 0.2
 
 
 def load_surface(
-    path: AnyPath,
+    path: AnySource,
     image: Image | None = None,
     *,
     space: Convention | None = None,
@@ -60,7 +60,7 @@ def load_surface(
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A file with one of the suffixes `SURFACES_READABLE`, written by `export` or by another program. Or a volume of
         labels, which is 0 outside: the surface runs between its voxels.
     image : Image, optional
@@ -90,15 +90,16 @@ def load_surface(
     >>> bool(np.abs(surface.vertices - result.surface.vertices).max() < 0.001), surface.closed
     (True, True)
     """
-    surface, notes = read_surface(path, image, space)
+    file = find_local_file(path)
+    surface, notes = read_surface(file, image, space)
     for note in notes:
-        warn(f"{Path(path).name}: {note}")
+        warn(f"{file.name}: {note}")
     return surface
 
 
-def read_surface(path: AnyPath, image: Image | None = None, space: Convention | None = None) -> tuple[Surface, Texts]:
+def read_surface(path: AnySource, image: Image | None = None, space: Convention | None = None) -> tuple[Surface, Texts]:
     """Read a surface, and list what was assumed; see `load_surface`."""
-    file = Path(path)
+    file = find_local_file(path)
     if file.suffix.lower() not in SURFACES_READABLE:
         return _read_label_surfaces(file, image)
     return decode_surface(read_content(file), file.name, image, space)

@@ -20,6 +20,7 @@ from cpm_core.formats.common.printable import escape_cell, unescape_cell
 from cpm_core.formats.common.provenance import Outcome, describe_provenance, flatten_provenance
 from cpm_core.formats.contours.contents import CollectedContours
 from cpm_core.formats.images.resolution import ascii_unit
+from cpm_core.formats.meshes.coordinates import to_file_coordinates
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.polyline import path_length
 from cpm_core.pages.page import StackResult
@@ -144,7 +145,8 @@ def encode_object_table(result: Outcome) -> bytes:
     """Tabulate the regions enclosed by closed contours, the open objects, or the objects in a volume, one per row.
 
     The columns are those of `Result.table`, in the unit of the image if it is known, which ends their names
-    (``area_um2``), and name, class, color and confidence of objects, whose number is ``label``. An open object has no
+    (``area_um2``), and name, class, color and confidence of objects, whose number is ``label``; in a
+    volume with a place in space also the center in it (``x_LPS_mm``). An open object has no
     area and no pixels of its own, but a ``length``. For a skeleton it is the table of `encode_measures`. ValueError
     when there is no object.
     """
@@ -181,14 +183,18 @@ def _build_object_rows(result: Result) -> list[Row]:
         power = {"²": "2", "³": "3"}.get(unit[-1:], "")
         columns[f"{name}_{ascii_unit(unit.rstrip('²³'), '')}{power}" if unit else name] = measured[name].tolist()
     rows: list[Row] = []
+    unit, sides = ascii_unit(result.unit, "px"), result.spacing if result.unit else (1.0,) * len(result.shape)
     for values in zip(*columns.values(), strict=True):
         row = {
             name: f"{value:.7g}" if isinstance(value, float) else value
             for name, value in zip(columns, values, strict=True)
         }
+        if len(result.shape) == 3 and result.geometry is not None:
+            center = np.array([float(row[name]) for name in columns if name.startswith("centroid")])
+            place = to_file_coordinates(center / sides, result.spacing, result.geometry)
+            row |= {f"{axis}_LPS_{unit}": f"{at:.7g}" for axis, at in zip("xyz", place.tolist(), strict=True)}
         rows.append(row | _name_object(known.get(int(row["label"]))))
-    unit, lengths = ascii_unit(result.unit, "px"), dict[int, float]()
-    sides = result.spacing if result.unit else (1.0, 1.0)
+    lengths = dict[int, float]()
     for one in result.contours:
         if one.group and not one.closed:
             known[one.group] = one

@@ -18,9 +18,11 @@ from numpy.typing import ArrayLike
 
 from cpm_core.formats.common.content import (
     AnyPath,
+    AnySource,
     UnreadableError,
     compute_fingerprint,
     explain_decoding_errors,
+    find_local_file,
     read_content,
 )
 from cpm_core.formats.common.printable import make_printable
@@ -105,7 +107,7 @@ def is_image_name(name: str) -> bool:
 
 
 def load_image(
-    path: AnyPath,
+    path: AnySource,
     *,
     page: int | None = None,
     channel: int | None = None,
@@ -120,8 +122,9 @@ def load_image(
 
     Parameters
     ----------
-    path : path-like
-        A file of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series.
+    path : path-like or file-like
+        A file of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series; an open file; or
+        an address of fsspec, such as ``s3://bucket/name.tif`` or ``zip::https://host/names.zip``.
     page : int, optional
         Plane, page or frame, from 1; by default the first page or frame, or the middle plane of a volume.
     channel, time : int, optional
@@ -157,11 +160,11 @@ def load_image(
     <Image disk.npy, 64 x 64 px, 0.5 µm a pixel>
     """
     reading = Reading(page, channel, time, series, color, _parse_spacing(spacing), unit)
-    return _load_part(Path(path), reading, read_plane, check_cancelled)
+    return _load_part(find_local_file(path), reading, read_plane, check_cancelled)
 
 
 def load_volume(
-    path: AnyPath,
+    path: AnySource,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -175,8 +178,8 @@ def load_volume(
 
     Parameters
     ----------
-    path : path-like
-        A stack or volume of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series.
+    path : path-like or file-like
+        A stack or volume, as for `load_image`.
     channel, time, series, color, unit, check_cancelled
         As for `load_image`.
     spacing : float or sequence of float, optional
@@ -200,11 +203,11 @@ def load_volume(
     <Image ball.npy, 31 x 31 x 31 voxels, 2 x 1 x 1 mm a voxel>
     """
     reading = Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
-    return _load_part(Path(path), reading, read_volume, check_cancelled)
+    return _load_part(find_local_file(path), reading, read_volume, check_cancelled)
 
 
 def load_pages(
-    path: AnyPath,
+    path: AnySource,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -239,7 +242,7 @@ def load_pages(
     >>> len(pages), pages[1].shape
     (2, (64, 64))
     """
-    file, reading = Path(path), Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
+    file, reading = find_local_file(path), Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
     with _explain_errors(file):
         stack = _open_file(file, reading)
     sha256 = _hash_file(file, check_cancelled)
@@ -268,12 +271,12 @@ def load_pages(
     )
 
 
-def holds_volume(path: AnyPath, series: int | str | None = None) -> bool:
+def holds_volume(path: AnySource, series: int | str | None = None) -> bool:
     """Return whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
     return open_stack(path, series).shape[0] >= MINIMUM_SIDE
 
 
-def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
+def open_stack(path: AnySource, series: int | str | None = None) -> Stack:
     """Open a file without reading any of its planes.
 
     Parameters
@@ -291,7 +294,7 @@ def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
     ValueError
         As for `load_volume`; `UnreadableError` when an archive holds several images and none is chosen.
     """
-    file = Path(path)
+    file = find_local_file(path)
     with _explain_errors(file):
         return _open_file(file, Reading(series=series))
 

@@ -1,5 +1,7 @@
 """Labels lie on their image for ITK, which ITK-SNAP, 3D Slicer and MITK read files with, whatever both come from."""
 
+import csv
+
 import nrrd
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from cpm_core import export, load_volume
+from cpm_core import export, load_volume, to_bytes
 from tests.core.formats.images.made import (
     ACROSS,
     OBLIQUE,
@@ -143,3 +145,17 @@ def test_labels_lie_on_a_nifti_that_is_turned_in_any_way(tmp_path_factory, angle
     here = find_place(folder / "a.nii")
     for name in ("l.nii", "l.nrrd"):
         assert measure_distance(here, find_place(folder / name)) < NEAR
+
+
+def test_the_table_has_centers_in_space_where_itk_has_them(tmp_path):
+    source = write_source("nrrd", tmp_path)
+    image = load_volume(source)
+    (row,) = csv.DictReader(to_bytes(LABELS, ".table.csv", image=image).decode().splitlines())
+    read = SimpleITK.ReadImage(str(source))
+    labels = SimpleITK.GetImageFromArray(LABELS)
+    labels.CopyInformation(read)
+    shapes = SimpleITK.LabelShapeStatisticsImageFilter()
+    shapes.Execute(labels)
+    center = [float(row[f"{axis}_LPS_mm"]) for axis in "xyz"]
+    np.testing.assert_allclose(center, shapes.GetCentroid(3), atol=NEAR)
+    np.testing.assert_allclose(float(row["volume_mm3"]), shapes.GetPhysicalSize(3), rtol=1e-5)
