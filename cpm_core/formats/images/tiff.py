@@ -45,24 +45,6 @@ FILE_KINDS = {
 _TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 """First bytes of TIFF and BigTIFF of either byte order."""
 
-_PHOTOMETRIC_WHITE_IS_ZERO = 0
-"""Tag for gray levels that count from white."""
-
-_PHOTOMETRIC_BLACK_IS_ZERO = 1
-"""Tag for gray levels that count from black."""
-
-_PHOTOMETRIC_RGB = 2
-"""Tag for red, green and blue."""
-
-_PHOTOMETRIC_PALETTE = 3
-"""Tag for indices into a color table."""
-
-_PHOTOMETRIC_INKS = 5
-"""Tag for amounts of ink (CMYK)."""
-
-_PHOTOMETRIC_YCBCR = 6
-"""Tag for luminance and chrominance."""
-
 _JPEG_COMPRESSION = 7
 """Tag for compression by JPEG."""
 
@@ -78,7 +60,7 @@ _NO_UNIT = 1
 _POLYNOMIALS = {0: 1, 1: 2, 2: 3, 3: 4}
 """Code of a calibration of ImageJ that is a polynomial -> its degree."""
 
-_SLIDE_COLORS = (_PHOTOMETRIC_BLACK_IS_ZERO, _PHOTOMETRIC_RGB, _PHOTOMETRIC_YCBCR)
+_SLIDE_COLORS = ("MINISBLACK", "RGB", "YCBCR")
 """Tags for gray levels and colors of images that are read in parts."""
 
 _PIXEL_AXES = "YXS"
@@ -111,7 +93,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
             raise ValueError("it has no pixels")
         keyframe = series.keyframe
         depth, (row, col), unit = _read_voxel_size(file, keyframe, number)
-        if keyframe.imagelength * keyframe.imagewidth > MAXIMUM_PIXELS and keyframe.photometric in _SLIDE_COLORS:
+        if keyframe.imagelength * keyframe.imagewidth > MAXIMUM_PIXELS and _color_kind(keyframe) in _SLIDE_COLORS:
             place = (depth or row, row, col), unit, names, number
             return stack_from_levels(_open_levels(path, name, series, place))
         check_pixel_count(name, int(keyframe.imagelength), int(keyframe.imagewidth))
@@ -123,7 +105,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         if _page_orientation(keyframe) in range(5, 9):  # rows become columns
             sides, (row, col) = sides[::-1], (col, row)
     notes = () if reading.series or len(names) == 1 else (f"Only the first of its {len(names)} series was taken.",)
-    has_colors = bands > 1 and keyframe.photometric == _PHOTOMETRIC_RGB
+    has_colors = bands > 1 and _color_kind(keyframe) == "RGB"
     untold = ("The distance of its planes is not given; that of its rows was taken.",)
 
     def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
@@ -246,48 +228,56 @@ def _decode_page(page: tifffile.TiffPage, raw: Numbers, band: int | None, name: 
         raw = np.moveaxis(raw, 0, -1)
     stored = samples = raw if raw.ndim == 3 else raw[..., np.newaxis]
     notes: list[str] = []
-    colors, bits = page.photometric, page.bitspersample
+    colors, bits = _color_kind(page), page.bitspersample
     if band is not None:
         stored = samples = samples[..., band : band + 1]
-        colors = _PHOTOMETRIC_BLACK_IS_ZERO if colors == _PHOTOMETRIC_RGB else colors
+        colors = "MINISBLACK" if colors == "RGB" else colors
     if samples.dtype == np.bool_:
         samples, bits = samples.astype(np.uint8) * np.uint8(255), 8
         notes.append("Black and white were read as 0 and 255.")
-    if colors == _PHOTOMETRIC_PALETTE:
+    if colors == "PALETTE":
         table = np.asarray(page.colormap, float)
         table = table if table.max() < 256.0 else table / 257.0  # old programs write eight bits in sixteen
         samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
-    elif colors == _PHOTOMETRIC_INKS:
+    elif colors == "SEPARATED":
         if page.tags.valueof("InkSet", default=1) != 1 or samples.shape[-1] < 4:
             raise _uncommon_kind_error(page, name)
         white = _white_level(bits, samples)
         light = (white - samples[..., :3]) * (1.0 - samples[..., 3:4] / white)
         samples = np.concatenate([light.astype(samples.dtype), samples[..., 4:]], axis=-1)
-    elif colors not in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO, _PHOTOMETRIC_RGB) and not (
-        colors == _PHOTOMETRIC_YCBCR and page.compression == _JPEG_COMPRESSION  # unpacked to red, green and blue
+    elif colors not in ("MINISWHITE", "MINISBLACK", "RGB") and not (
+        colors == "YCBCR" and page.compression == _JPEG_COMPRESSION  # unpacked to red, green and blue
     ):
         raise _uncommon_kind_error(page, name)
     white = _white_level(bits, samples)
-    count = 1 if colors in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO) else 3
+    count = 1 if colors in ("MINISWHITE", "MINISBLACK") else 3
     extra = samples[..., count:]
     has_alpha = extra.shape[-1] > 0 and _has_alpha(page)
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
     shown, opacity = samples[..., :count], extra[..., 0] / _white_level(bits, extra[..., 0]) if has_alpha else None
-    if colors == _PHOTOMETRIC_WHITE_IS_ZERO:
+    if colors == "MINISWHITE":
         shown = white - shown
         notes.append("It counts from white to black and was inverted.")
     if opacity is not None and int(page.extrasamples[0]) == _PREMULTIPLIED_ALPHA:
         share = opacity[..., np.newaxis]
         shown = np.divide(shown, share, out=np.zeros(shown.shape), where=share > 0.0)
     found = decode_samples(shown, opacity, tuple(notes), white)
-    given = stored[..., : 1 if colors == _PHOTOMETRIC_PALETTE else count]
+    given = stored[..., : 1 if colors == "PALETTE" else count]
     return rotate_upright(replace(found, values=_mask_no_data(page, found.values, given)), _page_orientation(page))
+
+
+def _color_kind(page: tifffile.TiffPage) -> str:
+    """Return the name of the way in which a page stores gray levels or colors, or its number if that is unknown."""
+    import tifffile
+
+    known = {one.value: one.name for one in tifffile.PHOTOMETRIC}
+    return known.get(int(page.photometric), str(page.photometric))
 
 
 def _count_bands(page: tifffile.TiffPage) -> int:
     """Count the samples of a pixel that are channels of their own; 1 if together they are a gray level or a color."""
-    color = {_PHOTOMETRIC_WHITE_IS_ZERO: 1, _PHOTOMETRIC_BLACK_IS_ZERO: 1, _PHOTOMETRIC_RGB: 3}.get(page.photometric)
+    color = {"MINISWHITE": 1, "MINISBLACK": 1, "RGB": 3}.get(_color_kind(page))
     count = int(page.samplesperpixel)
     return 1 if color is None or count <= color + _has_alpha(page) else count
 
@@ -299,9 +289,8 @@ def _has_alpha(page: tifffile.TiffPage) -> bool:
 
 def _uncommon_kind_error(page: tifffile.TiffPage, name: str) -> UnreadableError:
     """Return the error for a page with an unsupported type of numbers or colors."""
-    kind = getattr(page.photometric, "name", page.photometric)
     return UnreadableError(
-        f"{name} is a TIFF of an uncommon kind ({page.bitspersample} bits, {kind}): save it again in gray, or in red, "
+        f"{name} is a TIFF of an uncommon kind ({page.bitspersample} bits, {_color_kind(page)}): save it again in gray, or in red, "
         "green and blue."
     )
 
@@ -386,9 +375,9 @@ def _parse_calibration(hyperstack: Mapping[str, object], page: tifffile.TiffPage
     Signed gray levels of 16 bits are stored in this way.
     """
     code = hyperstack.get("cf")
-    if code is None or page.photometric not in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO):
+    if code is None or _color_kind(page) not in ("MINISWHITE", "MINISBLACK"):
         return (), ()
-    if code not in _POLYNOMIALS or page.photometric == _PHOTOMETRIC_WHITE_IS_ZERO:
+    if code not in _POLYNOMIALS or _color_kind(page) == "MINISWHITE":
         return (), ("Its description calibrates gray levels by a curve, which was not applied.",)
     try:
         curve = tuple(float(hyperstack[f"c{power}"]) for power in range(_POLYNOMIALS[code] + 1))  # type: ignore[arg-type]
