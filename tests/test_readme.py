@@ -39,6 +39,10 @@ def test_presets_and_formats_are_named():
     names = {
         "PNG": ".png",
         "TIFF": ".tif .tiff",
+        "whole slides": ".svs .ndpi .scn",
+        "CZI": ".czi",
+        "LIF": ".lif",
+        "ND2": ".nd2",
         "JPEG": ".jpg .jpeg",
         "BMP": ".bmp",
         "PNM": ".pbm .pgm .ppm .pnm",
@@ -83,7 +87,7 @@ def test_the_tour_has_commands_and_an_example():
 
 def test_pictures_and_files_that_it_points_to_are_there():
     for page, text in {"README.md": TEXT, **PAGES}.items():
-        for target in re.findall(r"\]\((?!http|#|_made/)([^)#]+)[^)]*\)", text):
+        for target in re.findall(r"\]\((?!http|#)([^)#]+)[^)]*\)", text):
             assert (ROOT / page).parent.joinpath(target).is_file(), (page, target)
 
 

@@ -20,7 +20,7 @@ from cpm_core.formats.images import (
     tiff,
 )
 from cpm_core.image import gray_levels
-from making.tables import table
+from docs.making.tables import table
 
 _READERS: dict[str, tuple[ModuleType, ...]] = {
     "all images": (stack, gray_levels),
@@ -53,7 +53,9 @@ def headers() -> str:
     lines = []
     for kind, modules in _READERS.items():
         trees = [ast.parse(inspect.getsource(module)) for module in modules]
-        entries = sorted({entry for tree in trees for entry in _find_entries(tree)}, key=str.lower)
+        entries = sorted(
+            {entry for tree in trees for entry in _find_entries(tree)}, key=lambda entry: (entry.lower(), entry)
+        )
         notes = dict.fromkeys(note for tree in trees for note in _find_notes(tree))
         lines.append((kind, ", ".join(f"`{entry}`" for entry in entries) or "none", " ".join(notes) or "nothing"))
     return table(("kind", "what is taken from the header", "what is reported"), lines)
