@@ -290,8 +290,8 @@ def _has_alpha(page: tifffile.TiffPage) -> bool:
 def _uncommon_kind_error(page: tifffile.TiffPage, name: str) -> UnreadableError:
     """Return the error for a page with an unsupported type of numbers or colors."""
     return UnreadableError(
-        f"{name} is a TIFF of an uncommon kind ({page.bitspersample} bits, {_color_kind(page)}): save it again in gray, "
-        "or in red, green and blue."
+        f"{name} is a TIFF of an uncommon kind ({page.bitspersample} bits, {_color_kind(page)}): save it again in "
+        "gray, or in red, green and blue."
     )
 
 
