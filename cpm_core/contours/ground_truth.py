@@ -22,6 +22,9 @@ from cpm_core.parameters.formatting import format_count, format_repr, format_siz
 
 Labels = NDArray[np.int32]
 
+MAX_LABEL = int(np.iinfo(np.int32).max)
+"""Largest number of a label that is read, kept and written."""
+
 _MAX_CHANGING_NEIGHBORS = 0.5
 """Largest fraction of neighboring pixels that may differ in a mask; in a noisy image nearly all do."""
 
@@ -184,10 +187,9 @@ def number_gray_levels(values: NDArray[np.generic], source: str) -> tuple[Labels
     levels, ranks, labels = _find_levels(values, source)
     if (levels % 1.0).any():
         return labels, False
-    most = np.iinfo(np.int32).max
-    if levels[-1] > most:
+    if levels[-1] > MAX_LABEL:
         raise ValueError(
-            f"{source} has the label {levels[-1]:.0f}, but the largest that is read is {most}: renumber them."
+            f"{source} has the label {levels[-1]:.0f}, but the largest that is read is {MAX_LABEL}: renumber them."
         )
     return np.r_[0, levels[1:]].astype(np.int32)[ranks], True
 
@@ -294,8 +296,7 @@ class VolumeTruth(_LabeledTruth):
 
     def __post_init__(self) -> None:
         given = as_real_array(self.labels)
-        most = np.iinfo(np.int32).max
-        if given.ndim != 3 or given.size == 0 or given.min() < 0 or given.max() > most or (given % 1.0).any():
+        if given.ndim != 3 or given.size == 0 or given.min() < 0 or given.max() > MAX_LABEL or (given % 1.0).any():
             raise ValueError(
                 "the labels of a volume must be whole numbers of at least 0 with three axes, but those of "
                 f"{self.source} have the shape {given.shape} and lie between {given.min(initial=0):g} and "

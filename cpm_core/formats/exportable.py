@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.ground_truth import MAX_LABEL
 from cpm_core.contours.surface import Surface, surface_from_labels
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours.mask import find_label_outlines
@@ -35,9 +36,6 @@ Exportable = (
     | NDArray[np.integer]
 )
 """Everything that can be exported."""
-
-_MAX_LABEL = int(np.iinfo(np.int32).max)
-"""Largest number of a label."""
 
 
 def as_result(given: Exportable, image: Image | None = None) -> Outcome | Centerlines:
@@ -75,10 +73,8 @@ def _result_of_labels(given: NDArray[Any], image: Image | None) -> Result:
         )
     if image is not None and image.shape != given.shape:
         raise ValueError(f"the labels have the shape {given.shape}, but {image.source} has {image.shape}.")
-    if given.min() < 0 or given.max() > _MAX_LABEL:
-        raise ValueError(
-            f"the labels are {given.min()} to {given.max()}, but must be 0 outside and up to {_MAX_LABEL}."
-        )
+    if given.min() < 0 or given.max() > MAX_LABEL:
+        raise ValueError(f"the labels are {given.min()} to {given.max()}, but must be 0 outside and up to {MAX_LABEL}.")
     labels = given.astype(np.int32)
     found = _result_in(image, given.shape, "labels")
     if labels.ndim == 3:

@@ -141,7 +141,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
     order = [role for role in _STORED_ROLES if role in roles]
 
     def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
-        chosen = {"time": time, "channel": channel, "plane": slice(first, end)}
+        chosen: dict[str, int | slice] = {"time": time, "channel": channel, "plane": slice(first, end)}
         with open_file(path) as file:
             part = {roles[role]: at for role, at in chosen.items() if role in roles}
             found = list_scenes(file)[number].read_part(part)

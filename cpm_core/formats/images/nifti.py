@@ -122,8 +122,8 @@ def _read_position(volume: Any) -> VolumePosition:
     if "vox_units" in header:
         own = bytes(header["vox_units"]).decode("latin-1").strip("\0 ") or "mm"
         (deep, row, col), known = spacing_from_sizes(sides, 3 * [own])
-        notes = ("Its format, Analyze 7.5, does not say where it lies, nor which side is left.",)
-        return (deep, row, col), known, None, notes
+        note = "Its format, Analyze 7.5, does not say where it lies, nor which side is left."
+        return (deep, row, col), known, None, (note,)
     unit = find_unit(header.get_xyzt_units()[0])
     spacing, _, geometry, notes = position_from_affine(volume.affine, "RAS", sides, "mm")
     if geometry is not None:
