@@ -334,7 +334,9 @@ def count_left_out(result: Outcome | Centerlines, suffix: str, *, outlines: bool
 
 def describe_omissions(result: Outcome | Centerlines, suffix: str, *, outlines: bool = False) -> str:
     """Describe what a file with this suffix does not keep of a result, in some sentences; empty if nothing."""
-    sentences = [nifti.describe_displacement(result)] if suffix in _DESCRIBED_SUFFIXES else []
+    sentences = []
+    if suffix in _DESCRIBED_SUFFIXES and not isinstance(result, Centerlines):
+        sentences.append(nifti.describe_displacement(result))
     count = count_left_out(result, suffix, outlines=outlines)
     what = "a mask" if suffix in MASK_SUFFIXES else "a COCO file"
     if count:

@@ -10,6 +10,7 @@ import csv
 import io
 from collections.abc import Callable, Iterable, Sequence
 from itertools import chain, groupby
+from typing import Any
 
 import numpy as np
 
@@ -254,7 +255,7 @@ def _build_page_rows(found: StackResult, build_rows: Callable[[Outcome], list[Ro
     tracks = {track.number: track for track in found.tracks}
     for page, result in found.results:
         for row in build_rows(result):
-            number = row.pop("contour")
+            number: Any = row.pop("contour")
             track = tracks[number]
             end = "" if track.end is None else " into ".join(map(str, (track.end.kind, *track.end.others)))
             place: Row = {"page": page, "track": number, "parent": track.origin or "", "end": end}
