@@ -164,7 +164,7 @@ def branches(stand: Stand) -> None:
 def trust(stand: Stand) -> None:
     """Nuclei compared with a truth, on both sides of the divider."""
     window, compared = stand.window, stand.window.workspace.comparison
-    window.use_theme(theme.DARK_THEME)
+    theme.apply_theme(theme.DARK_THEME, window)
     stand.open("nuclei.png")
     stand.run()
     sample = find_sample_named("nuclei.png")
@@ -231,7 +231,7 @@ def each_in_a_window(names: Iterable[str], size: tuple[int, int]) -> Iterator[tu
             QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(Path(folder) / name))
             window = open_window()
             window.resize(*size)
-            window.use_theme(theme.LIGHT_THEME)
+            theme.apply_theme(theme.LIGHT_THEME, window)
             stand = Stand(window)
             stand.settle()
             yield name, stand

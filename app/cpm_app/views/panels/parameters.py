@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
+from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import (
     QApplication,
     QCheckBox,
@@ -42,7 +43,6 @@ from cpm_app.model.text.language import localize_number, tr
 from cpm_app.model.text.wording import PARAMETER_FORMULAS
 from cpm_app.session.session import Session
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.actions import add_menu_action
 from cpm_app.views.widgets.containers import FoldableSection, create_dim_label, fill_layout
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
@@ -119,6 +119,7 @@ class ParameterRow(QWidget):
             if control.manual_default is not None:
                 field.show_value(control.manual_default)
         self._restore.setObjectName("restore")
+        self._restore.setIcon(load_icon("restore", QPalette.ColorRole.Highlight))
         self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._restore.setAccessibleName(tr("{parameter}: restore the default", parameter=control.title))
         self._restore.clicked.connect(self._restore_default)
@@ -180,10 +181,6 @@ class ParameterRow(QWidget):
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """Return the parameter. See `MenuOwner`."""
         return "parameter", point if point is not None else self.slider.geometry().center()
-
-    def use_theme(self, theme: Theme) -> None:
-        """Color the button."""
-        self._restore.setIcon(load_icon("restore", theme.accent, faded=theme.line))
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """End a change when the focus leaves, and restore the default on a double click on the name."""

@@ -32,7 +32,6 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
 from cpm_app.session.timeline.stored_runs import TimelineBranch
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.actions import Actions, add_menu_action
 from cpm_app.views.widgets.containers import claim_key, create_dim_label, fill_layout
 from cpm_app.views.window.dialogs import ask_for_text
@@ -313,10 +312,12 @@ class TimelinePanel(QWidget):
         self.step.valueChanged.connect(lambda step: navigation.go_to(navigation.current_step[0], step))
         self._total_label = create_dim_label()
         self.parameters = _create_button("parameters")
+        self.parameters.setIcon(load_icon("restore"))
         self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
         self.parameters.clicked.connect(navigation.use_step_parameters)
         self.rename = add_menu_action(self.view, tr("Re&name the branch…"), self._rename_branch)
         self.branch = _create_button("branch")
+        self.branch.setIcon(load_icon("branch"))
         self.branch.setToolTip(tr("Rename or delete the branch."))
         self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         scroll = self._scroll = QScrollArea(widgetResizable=True)
@@ -338,11 +339,6 @@ class TimelinePanel(QWidget):
         for name, button in self.buttons.items():
             button.setDefaultAction(actions[f"timeline_{name}"])
         self.branch.addActions([self.rename, actions["timeline_delete"]])
-
-    def use_theme(self, theme: Theme) -> None:
-        """Color the icons of the buttons without an action."""
-        self.branch.setIcon(load_icon("branch", theme.text, faded=theme.line))
-        self.parameters.setIcon(load_icon("restore", theme.text, faded=theme.line))
 
     @property
     def _running(self) -> bool:

@@ -12,7 +12,7 @@ from typing import TypeVar, cast
 
 from PySide6.QtCore import QByteArray, QSize, Qt, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
-from PySide6.QtWidgets import QMainWindow, QWidget
+from PySide6.QtWidgets import QMainWindow
 
 from cpm_app.model.display.lengths import prefer_unit
 from cpm_app.model.preferences.table import (
@@ -198,14 +198,6 @@ class MainWindow(QMainWindow):
         """Open an image or a session; with `resumes`, an image together with the session next to it."""
         self.files_wanted.emit([Path(path)], resumes)
 
-    def use_theme(self, used: theme.Theme) -> None:
-        """Apply a theme."""
-        theme.apply_theme(used, self, self.turns.schedule_work)
-        self.actions_by_name.use_theme(used, self.turns)
-        for widget in self.findChildren(QWidget):
-            if hasattr(widget, "use_theme"):  # widgets with colors that the palette does not set
-                widget.use_theme(used)
-
     # Called by Qt
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -279,14 +271,14 @@ class MainWindow(QMainWindow):
             self._apply_canvas_style()
             for item in self.canvas_area.canvas.scene().items():
                 item.update()
-            self.canvas_area.strip.legend.update()
-            self._apply_selected_theme()
+            self.update()  # the swatches
         elif key == UNIT_PREFERENCE.name:
             self.canvas_area.canvas.layers["scale_bar"].apply_visibility()
             self.refresh_actions()
 
     def _apply_selected_theme(self) -> None:
-        self.use_theme(_THEMES_BY_NAME.get(self.preferences.read_preference(THEME_PREFERENCE)) or theme.system_theme())
+        selected = _THEMES_BY_NAME.get(self.preferences.read_preference(THEME_PREFERENCE))
+        theme.apply_theme(selected or theme.system_theme(), self)
 
     def _apply_canvas_style(self) -> None:
         value = self.preferences.read_preference
