@@ -213,8 +213,9 @@ class ElidedLabel(QLabel):
 
     def setText(self, text: str) -> None:
         """Show another text."""
-        super().setText(text)
-        self._check_fit()
+        if text != self.text():
+            super().setText(text)
+            self._check_fit()
 
     def minimumSizeHint(self) -> QSize:
         """Return one line of any width."""
