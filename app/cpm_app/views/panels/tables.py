@@ -507,6 +507,13 @@ class ItemTable(SortableTable):
         else:
             self.zoom_wanted.emit()
 
+    def edit_selected_name(self) -> None:
+        """Edit the name of the first selected row."""
+        if self._stale:
+            self._update_now()
+        for index in self.selectionModel().selectedRows()[:1]:
+            self.edit_name(index.row())
+
     def edit_name(self, row: int) -> None:
         """Edit the name in a row."""
         index = self.rows.index(row, self.column_index("name"))

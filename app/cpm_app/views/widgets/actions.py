@@ -6,9 +6,9 @@ import re
 from collections.abc import Callable, Iterable
 from typing import Protocol, runtime_checkable
 
-from PySide6.QtCore import QPoint
+from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence, QPalette
-from PySide6.QtWidgets import QMenu, QWidget
+from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QWidget
 
 from cpm_app.model.state.situation import (
     HIDDEN_IN_VOLUMES,
@@ -217,6 +217,21 @@ class Actions(dict[str, QAction]):
 def _without_mnemonic(text: str) -> str:
     """Return a text without a shown key and its mnemonic, which Chinese and Japanese put in parentheses."""
     return re.sub(r"\(&\w\)", "", text.partition("\t")[0]).replace("&", "")
+
+
+class ActionButton(QToolButton):
+    """Button of an action of the window, by its name; the window connects it when it has all actions."""
+
+    def __init__(self, name: str, style: Qt.ToolButtonStyle = Qt.ToolButtonStyle.ToolButtonTextOnly) -> None:
+        super().__init__(toolButtonStyle=style, autoRaise=style == Qt.ToolButtonStyle.ToolButtonIconOnly)
+        self.setObjectName(name)
+        if not self.autoRaise():
+            self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+
+    def use_action(self, action: QAction) -> None:
+        """Perform an action, and be there while it is available."""
+        self.setDefaultAction(action)
+        action.visibleChanged.connect(lambda: self.setVisible(action.isVisible()))
 
 
 def add_menu_action(menu: QWidget, text: str, do: Callback, tip: str = "", checked: bool | None = None) -> QAction:

@@ -33,7 +33,7 @@ from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
 from cpm_app.views.canvas.status_fields import PointerReadout, ZoomReadout
 from cpm_app.views.theme import theme
-from cpm_app.views.widgets.actions import Actions, ActionSpec, Submenu
+from cpm_app.views.widgets.actions import ActionButton, Actions, ActionSpec, Submenu
 from cpm_app.views.widgets.fields import SpeedControl
 from cpm_app.views.widgets.turns import Turns
 from cpm_app.views.window.bars import ToolBar, ToolPalette
@@ -161,7 +161,7 @@ class MainWindow(QMainWindow):
         panels = [panel for feature in self.features.values() for panel in feature.panels]
         self.panels = {panel.name: panel.widget for panel in panels}
         self.docks = Docks(self, panels, self._keyboard, self.canvas_area.controls)
-        self._add_shortcuts()
+        self._connect_actions()
         self.context_menus = self._add_menus(specs)
         self.addToolBar(ToolBar(self.actions_by_name, self.speed))
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, ToolPalette(self.actions_by_name))
@@ -243,7 +243,12 @@ class MainWindow(QMainWindow):
         self.canvas_area.canvas.pointer.menu_wanted.connect(partial(menus.open_menu_at, self.canvas_area))
         return menus
 
-    def _add_shortcuts(self) -> None:
+    def _connect_actions(self) -> None:
+        for name, spec in self.actions_by_name.specs.items():
+            if spec.checked_when is not None:  # Qt has changed the check mark, even if nothing else has changed
+                self.actions_by_name[name].triggered.connect(self.refresh_actions)
+        for button in self.findChildren(ActionButton):
+            button.use_action(self.actions_by_name[button.objectName()])
         for spec in self.actions_by_name.specs.values():
             menu, _, group = spec.menu.partition(">")
             group = MENU_TITLES[menu].replace("&", "") if menu else group
