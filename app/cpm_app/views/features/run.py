@@ -24,7 +24,7 @@ from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
 from cpm_app.session.worker.commands import call_run
 from cpm_app.session.worker.run import Run
 from cpm_app.views.panels.parameters import ParametersPanel
-from cpm_app.views.panels.presets import PresetButton
+from cpm_app.views.panels.presets import PresetBox
 from cpm_app.views.panels.run import RunPanel
 from cpm_app.views.panels.timeline import TimelinePanel
 from cpm_app.views.widgets.actions import ActionSpec
@@ -48,8 +48,8 @@ class RunControlFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         window = self.window
         session, speed = window.session, window.speed
-        self.presets = PresetButton(window, PresetStore(parent=window))
-        parameters = ParametersPanel(session, self.presets)
+        self.presets = presets = PresetBox(window, PresetStore(parent=window))
+        parameters = ParametersPanel(session, presets)
         self.panel = RunPanel(parameters)
         self.panels = (Panel("run", "Run", self.panel, "F5"),)
         self.panel.unfold_sections(window.preferences.read_key(_UNFOLDED_SECTIONS_KEY, []))
@@ -69,6 +69,11 @@ class RunControlFeature(Feature):
                        session.reset, "R", short=tr("Reset"), icon="reset", when=is_started),
             ActionSpec("faster", "Run", "&Faster", "Allow more steps per second.", speed.speed_up, "Ctrl+]", gap=True),
             ActionSpec("slower", "Run", "S&lower", "Allow fewer steps per second.", speed.slow_down, "Ctrl+["),
+            ActionSpec("save_preset", ">" + tr("Run"), "&Save as…", "Save the current parameters under a name.",
+                       presets.save_preset, icon="save"),
+            ActionSpec("delete_preset", ">" + tr("Run"), "&Delete…", "Delete the preset in use, if it is your own.",
+                       presets.delete_preset, icon="bin",
+                       when=lambda _: presets.current is not None and presets.current.is_own),
         )  # fmt: skip
 
     def close(self) -> bool:

@@ -43,7 +43,7 @@ from cpm_app.model.text.language import localize_number, tr
 from cpm_app.model.text.wording import PARAMETER_FORMULAS
 from cpm_app.session.session import Session
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.widgets.actions import add_menu_action
+from cpm_app.views.widgets.actions import ActionButton, add_menu_action
 from cpm_app.views.widgets.containers import FoldableSection, create_dim_label, fill_layout
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
@@ -224,7 +224,7 @@ class ParameterRow(QWidget):
 class ParametersPanel(QWidget):
     """Parameters of the document and presets, which are edited through the session."""
 
-    def __init__(self, session: Session, presets: QToolButton) -> None:
+    def __init__(self, session: Session, presets: QWidget) -> None:
         super().__init__()
         self._session = session
         self._contours: Contours = ()
@@ -287,7 +287,9 @@ class ParametersPanel(QWidget):
         heading = QLabel(tr("Preset"))
         heading.setObjectName("heading")
         heading.setBuddy(self.presets)
-        head = fill_layout(QHBoxLayout(), heading, self.presets, wide=self.presets)
+        style = Qt.ToolButtonStyle.ToolButtonIconOnly
+        save, delete = ActionButton("save_preset", style), ActionButton("delete_preset", style)
+        head = fill_layout(QHBoxLayout(), heading, self.presets, save, delete, spacing=2, wide=self.presets)
         # the channel is not folded away: it is the first thing that a color image needs
         shown = self.choices[CHANNEL_CHOICE], *(self.rows[name] for name in MAIN_CONTROLS)
         fill_layout(QVBoxLayout(self), head, *shown, section, spacing=2)

@@ -314,13 +314,11 @@ QPushButton:hover, QPushButton:focus { border-color: $accent; }
 QPushButton:pressed, QPushButton:checked { background: $chosen; }
 QPushButton:default { border-color: $accent; }
 QPushButton:disabled { color: $faded; border-color: $line; }
-QDockWidget QToolButton#preset, QFrame#popup QToolButton { background: $button; color: $text;
-                            border: 1px solid $line; border-radius: 5px; padding: 4px 8px; }
-QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,
-QDockWidget QToolButton#preset:focus, QFrame#popup QToolButton:focus { border-color: $accent; }
+QFrame#popup QToolButton { background: $button; color: $text; border: 1px solid $line; border-radius: 5px;
+                            padding: 4px 8px; }
+QFrame#popup QToolButton:hover, QFrame#popup QToolButton:focus { border-color: $accent; }
 QFrame#popup QToolButton:disabled { color: $faded; }
-QPushButton:disabled, QDockWidget QToolButton#preset:disabled, QFrame#popup QToolButton:disabled {
-    background: $window; color: $faded; }
+QPushButton:disabled, QFrame#popup QToolButton:disabled { background: $window; color: $faded; }
 QDialogButtonBox, QMessageBox { dialogbuttonbox-buttons-have-icons: 0; }
 QMessageBox QLabel#qt_msgbox_label { font-weight: 600; }
 QMessageBox QLabel#qt_msgbox_informativelabel { min-width: 320px; }
