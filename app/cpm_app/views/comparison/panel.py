@@ -22,7 +22,7 @@ from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.features.comparison import CURRENT_KEY, TRUTH_KEY, ComparedResults, ComparisonRow
 from cpm_app.session.session import Session
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel, create_wide_button
-from cpm_app.views.widgets.actions import add_menu_action
+from cpm_app.views.widgets.actions import ActionButton, add_menu_action
 from cpm_app.views.widgets.containers import FoldableSection, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import MarkedSlider
 from cpm_core.contours import DEFAULT_TOLERANCE
@@ -138,8 +138,6 @@ class ComparePanel(QWidget):
         )
         self.load = create_wide_button(tr("Ground truth…"), load)
         self.load.setToolTip(tr("Read a mask or contours from a file as the reference."))
-        self.next = create_wide_button(tr("Next difference"), self.jump_to_next)
-        self.next.setToolTip(tr("Show the differences one after the other, the largest first."))
         self.export = create_wide_button(tr("Export table…"), export)
         self.holes = QCheckBox(tr("Inner contours are holes"))
         self.holes.setToolTip(tr("Otherwise everything inside a contour belongs to the object."))
@@ -153,7 +151,13 @@ class ComparePanel(QWidget):
         how = QWidget()
         fill_layout(QVBoxLayout(how), self._tolerance, self.tolerance, self.holes, spacing=6)
         files = fill_layout(QHBoxLayout(), self.load, self.export, spacing=6)
-        parts = self.table, self.summary, self.next, files, FoldableSection(tr("How it is compared"), how)
+        parts = (
+            self.table,
+            self.summary,
+            ActionButton("next_difference"),
+            files,
+            FoldableSection(tr("How it is compared"), how),
+        )
         fill_layout(QVBoxLayout(self), *parts, margins=(12, 8, 12, 8), spacing=7, wide=self.table)
         compared.changed.connect(self._show_comparison)
         compared.selection_changed.connect(self._show_comparison)
@@ -181,10 +185,9 @@ class ComparePanel(QWidget):
     # Internal
 
     def _show_comparison(self) -> None:
-        compared, different = self._compared, self._session.scene.differences
+        compared = self._compared
         self.load.setEnabled(self._session.image is not None)
         self.remove.setEnabled(compared.selected == TRUTH_KEY)
-        self.next.setEnabled(bool(different))
         self.export.setEnabled(bool(compared.agreements))
         tolerance = tr("Tolerance: {tolerance:g} voxels") if compared.in_volume else tr("Tolerance: {tolerance:g} px")
         self._tolerance.setText(tolerance.format(tolerance=compared.tolerance))

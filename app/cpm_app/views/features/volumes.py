@@ -184,14 +184,11 @@ class PagesFeature(Feature):
         self.panel = PagePanel(pages, pages.show_row)
         self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown_at_start=False),)
         self.bar.moved.connect(pages.open_page)
-        self.bar.run_requested.connect(lambda: pages.cancel() if pages.running else pages.run_all())
-        self.bar.following_toggled.connect(self._set_following)
         self.panel.export.clicked.connect(partial(window.trigger_action, "export"))
         window.canvas_area.controls.addWidget(self.bar)
         pages.set_session_file(window.document_file)
         pages.changed.connect(self._on_pages_changed)
         pages.results_changed.connect(window.refresh_actions)
-        self.session.document_changed.connect(lambda _: self._show_bar())
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
@@ -199,18 +196,27 @@ class PagesFeature(Feature):
             return pages.count > 1
 
         def can_run(situation: Situation) -> bool:
-            return not pages.running and situation.document.mode != "skeleton"
+            return situation.document.mode != "skeleton" and bool(situation.document.starts)
+
+        def set_following() -> None:
+            pages.following = not pages.following
+
+        def toggle_run() -> None:
+            (pages.cancel if pages.running else pages.run_all)()
 
         self.actions = (
             ActionSpec("run_pages", "Run", "Run all &pages",
-                       "Run every page of the stack, one after the other, in the background.", pages.run_all,
-                       "Ctrl+Shift+Return", gap=True, when=can_run, visible_when=is_stack),
+                       "Run every page of the stack, one after the other, in the background, or stop that; finished "
+                       "pages are kept.", toggle_run, "Ctrl+Shift+Return", gap=True, visible_when=is_stack,
+                       when=lambda now: pages.running or can_run(now),
+                       text_for=lambda _: tr("Stop") if pages.running else tr("Run all &pages")),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all pages after it, one after the other, in the background.",
-                       lambda: pages.run_all(pages.number), when=can_run, visible_when=is_stack),
+                       lambda: pages.run_all(pages.number), visible_when=is_stack,
+                       when=lambda now: not pages.running and can_run(now)),
             ActionSpec("follow_pages", "Run", "&Follow from page to page",
-                       "Start each page from the contours of the previous one.",
-                       lambda: self._set_following(not pages.following), visible_when=is_stack,
+                       "Start each page from the contours of the previous one instead of from the same drawing.",
+                       set_following, short=tr("Follow"), visible_when=is_stack,
                        checked_when=lambda _: pages.following),
             ActionSpec("follow_objects", "Objects", "Follow on all &pages",
                        "Find the accepted objects again on all pages after this one, in the background; pages with "
@@ -221,21 +227,10 @@ class PagesFeature(Feature):
 
     # Internal
 
-    def _set_following(self, following: bool) -> None:
-        self._pages.following = following
-        self._on_pages_changed()
-
     def _on_pages_changed(self) -> None:
-        self._show_bar()
+        self.bar.show_page(self._pages.number, self._pages.count)
         self.window.docks.set_tab_available("pages", self._pages.count > 1)
         self.window.refresh_actions()
-
-    def _show_bar(self) -> None:
-        pages, document = self._pages, self.session.document
-        possible = document.mode != "skeleton" and bool(document.starts)
-        self.bar.show_pages(
-            pages.number, pages.count, following=pages.following, running=pages.running, possible=possible
-        )
 
 
 class SpaceFeature(Feature):

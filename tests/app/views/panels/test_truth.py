@@ -89,7 +89,7 @@ def test_differences_are_drawn_and_vanish_with_a_larger_tolerance(compared, hand
     hand.wait(lambda: layer.counts == (1, 0, 0))
     assert figure(compared, "precision") == 1.0
     assert figure(compared, "recall") == 1.0
-    assert not panel.next.isEnabled()
+    assert not compared.actions_by_name["next_difference"].isEnabled()
 
 
 @pytest.mark.own_window
