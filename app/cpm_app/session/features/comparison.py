@@ -258,6 +258,7 @@ class ComparedResults(QObject):
             self._titles = titles
             self._found = {key: row for key, row in self._found.items() if key in titles or key == TRUTH_KEY}
             self.select_row(self.selected if self.selected in self.rows else CURRENT_KEY)
+            self._compare_rows()
             self.changed.emit()
 
     def _request_branch_frame(self) -> None:

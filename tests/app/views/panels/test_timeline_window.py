@@ -254,6 +254,7 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
     wait_for_step(rested, hand, fresh[-1].step - 1)
 
 
+@pytest.mark.own_window
 def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
     timeline_of(rested).set_budget(1)
     for step in (40, 3, 57, 56):
