@@ -13,7 +13,7 @@ from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, color_partic
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.scene import Scene
-from cpm_app.views.items.discs import NO_POSITIONS, MovingDiscs
+from cpm_app.views.items.discs import NO_POSITIONS, Discs
 from cpm_app.views.items.item import PinnedText
 from cpm_app.views.layers.layer import ChoiceOption, Layer, LegendEntry
 from cpm_app.views.theme import color_maps, theme
@@ -118,8 +118,8 @@ class ParticleLayer(Layer):
     def create_items(self) -> None:
         """Create the items of the layer."""
         # Contours lie above the particles at rest and below those that still move.
-        self._resting = MovingDiscs(theme.RESTING_COLOR, 7.0, 3.0)
-        self._moving = MovingDiscs(theme.MOVING_COLOR, 6.0, _RUNNING_Z)
+        self._resting = Discs(theme.RESTING_COLOR, 7.0, 3.0)
+        self._moving = Discs(theme.MOVING_COLOR, 6.0, _RUNNING_Z)
         self.legend = PinnedText(self.view, (1.0, 1.0))
         self._discs = (self._resting, self._moving)
         self.add_items(*self._discs, self.legend)
