@@ -68,24 +68,25 @@ class ToolDispatcher:
 
     def press_button(self, view: ImageView, at: Position, reach: float | None = None) -> None:
         """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
-        self._pressed_tool = self.find_receiver(view, at)
-        self._pressed_tool.on_press(view.place_at(at), view.hit_tolerance() if reach is None else reach)
+        self._pressed_tool = tool = self.find_receiver(view, at)
+        tool.reach = tool.reach if reach is None else reach
+        tool.press(view.place_at(at))
 
     def move_pointer(self, view: ImageView, at: Position) -> None:
         """Move the pointer to a position."""
-        tool = self._pressed_tool or self.tool
-        tool.current_slice = view.shown_slice
-        if self.is_dragging:
-            tool.on_drag(view.place_at(at))
+        if self._pressed_tool is not None:
+            self._pressed_tool.current_slice = view.shown_slice
+            self._pressed_tool.drag(view.place_at(at))
         else:
-            tool.on_hover(view.place_at(at))
+            self.find_receiver(view, at)
+            self.tool.hover(view.place_at(at))
             self.show_cursor(view, at)
 
     def release_button(self) -> None:
         """Release the left button."""
         if self._pressed_tool is not None:
             tool, self._pressed_tool = self._pressed_tool, None
-            tool.on_release()
+            tool.release()
 
     def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """Pass the modifier keys that are held to the tool."""
@@ -93,14 +94,14 @@ class ToolDispatcher:
 
     def find_receiver(self, view: ImageView, at: Position) -> Tool:
         """Find the tool that a press here goes to: the handle tool over a handle, otherwise the tool in use."""
-        self.tool.current_slice = self._handle_tool.current_slice = view.shown_slice
-        place, reach = view.place_at(at), view.hit_tolerance()
-        over_handle = not self.tool.has_draft and self._handle_tool.has_handle_at(place, reach)
+        for tool in (self.tool, self._handle_tool):
+            tool.current_slice, tool.reach = view.shown_slice, view.hit_tolerance()
+        over_handle = not self.tool.has_draft and self._handle_tool.has_handle_at(view.place_at(at))
         return self._handle_tool if over_handle else self.tool
 
     def show_cursor(self, view: ImageView, at: Position) -> None:
         """Show the cursor for a press at a position."""
-        view.viewport().setCursor(self.find_receiver(view, at).cursor_at(view.place_at(at), view.hit_tolerance()))
+        view.viewport().setCursor(self.find_receiver(view, at).cursor_at(view.place_at(at)))
 
 
 class PointerFilter(QObject):
@@ -228,8 +229,8 @@ class Canvas(ImageView):
         self.dispatcher.switch_tool(tool)
         if self._pointer is not None:
             tool.current_slice = self.shown_slice
-            tool.on_hover(self.place_at(self._pointer))
-        self.viewport().setCursor(tool.cursor_at(self.place_at((-1e9, -1e9)), 0.0))
+            tool.hover(self.place_at(self._pointer))
+        self.viewport().setCursor(tool.cursor_at(self.place_at((-1e9, -1e9))))
 
     def move_pointer_to(self, at: Position) -> None:
         """Move the pointer, or the cross-hair, to a position."""

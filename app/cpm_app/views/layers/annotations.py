@@ -37,7 +37,6 @@ class ScaleBarLayer(Layer):
     title = tr("Scale bar")
     tip = tr("A bar of round length, if the pixel size is known.")
     shortcut = "Alt+Shift+0"
-    shown_in_slices = True
     options = (
         SwitchOption("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),
     )
@@ -81,7 +80,6 @@ class OrientationLayer(Layer):
     name = "orientation"
     title = tr("Orientation")
     tip = tr("Directions at the edges: right, left, anterior, posterior, superior, inferior; or the axes.")
-    shown_in_slices = True
 
     _EDGES = ((0.5, 0.0), (0.5, 1.0), (0.0, 0.5), (1.0, 0.5))
     """Top, bottom, left and right, as fractions of width and height."""

@@ -38,7 +38,6 @@ class ContourLayer(Layer):
     title = tr("Contours")
     tip = tr("Closed and open contours of the run.")
     shortcut = "Alt+4"
-    shown_in_slices = True
     colors = (theme.CONTOUR_COLOR,)
     options = (SwitchOption("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),)
 
@@ -107,7 +106,6 @@ class TruthLayer(Layer):
     name = "truth"
     title = tr("Ground truth")
     tip = tr("True boundaries; missing contours dashed, wrong contours wide.")
-    shown_in_slices = True
     colors = (theme.TRUTH_COLOR, theme.MISSING_COLOR, theme.WRONG_COLOR)
 
     def create_items(self) -> None:

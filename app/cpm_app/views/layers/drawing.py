@@ -161,7 +161,6 @@ class DrawingLayer(Layer):
     title = tr("Drawing")
     tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
     shortcut = "Alt+6"
-    shown_in_slices = True
     draft_shown = Signal(object, object, str, bool)
     """Another draft is shown: the arguments of `show_draft`."""
     ring_shown = Signal(object, float, str, object)

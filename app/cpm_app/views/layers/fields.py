@@ -39,7 +39,6 @@ class ScalarOverlay(Layer):
     """A scalar overlay, shape (H, W), in the colors of a map; the worker computes it only while it is shown."""
 
     initially_shown = False
-    shown_in_slices = True
     z: ClassVar[float]
     """Place in the stack of layers."""
 
@@ -93,7 +92,6 @@ class StartAreaLayer(ScalarOverlay):
         "reach allows."
     )
     initially_shown = True
-    shown_in_slices = False
     colors = (theme.AREA_COLOR,)
     z = 0.95
 
@@ -170,7 +168,6 @@ class FieldLayer(Layer):
     tip = tr("Direction in which edges pull.")
     shortcut = "Alt+9"
     initially_shown = False
-    shown_in_slices = True
     colors = (theme.FIELD_COLOR,)
 
     def create_items(self) -> None:

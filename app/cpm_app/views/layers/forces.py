@@ -53,7 +53,6 @@ class ForceLayer(Layer):
     tip = tr("Coulomb, Lorentz and damping force on the particle nearest to the pointer.")
     shortcut = "Alt+3"
     initially_shown = False
-    shown_in_slices = True
     colors = (theme.COULOMB_COLOR, theme.LORENTZ_COLOR, theme.DAMPING_COLOR)
     options = (
         AmountOption("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),

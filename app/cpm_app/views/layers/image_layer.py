@@ -66,7 +66,6 @@ class ImageLayer(Layer):
     title = tr("Image")
     tip = tr("The image itself.")
     shortcut = "Alt+0"
-    shown_in_slices = True
     options = (
         ChoiceOption(
             "shown",

@@ -156,8 +156,6 @@ class Layer(QObject):
     """Colors of its legend."""
     options: ClassVar[tuple[Option, ...]] = ()
     """Options besides the opacity."""
-    shown_in_slices: ClassVar[bool] = False
-    """Whether it shows anything in the slices of a volume."""
 
     changed = Signal()
     """Visibility, opacity or an option has changed."""

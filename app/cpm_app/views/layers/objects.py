@@ -50,7 +50,6 @@ class ObjectLayer(Layer):
     title = tr("Objects")
     tip = tr("Accepted objects by class, and proposals, dashed.")
     shortcut = "Alt+5"
-    shown_in_slices = True
     colors = (DEFAULT_CLASSES[0].color, theme.PROPOSAL_COLOR)
     options = (
         AmountOption("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),

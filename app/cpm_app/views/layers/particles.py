@@ -80,7 +80,6 @@ class ParticleLayer(Layer):
     title = tr("Particles")
     tip = tr("Moving, and nearly at rest.")
     shortcut = "Alt+1"
-    shown_in_slices = True
     colors = (theme.MOVING_COLOR, theme.RESTING_COLOR)
     color_choices: ClassVar = {
         _BY_STATE: tr("Moving or at rest"),

@@ -26,7 +26,7 @@ from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.views.panels.run import Chart
 from cpm_app.views.panels.tables import CellIndex, Column, SortableTable, TableModel
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
-from cpm_app.views.widgets.fields import PLACE_JUMP, PlaceBar
+from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers
 
@@ -170,7 +170,7 @@ class PageBar(PlaceBar):
     """The user has switched whether each page starts from the contours of the previous one."""
 
     def __init__(self) -> None:
-        super().__init__(tr("Page"), tr("Number of the page"), PLACE_JUMP)
+        super().__init__(tr("Page"), tr("Number of the page"))
         self.follow, self.run = QCheckBox(tr("Follow")), QPushButton()
         self.slider.setTracking(False)
         self.follow.setToolTip(

@@ -39,8 +39,6 @@ class RingTool(ShapeTool):
         """Initialize the state kept between events."""
         super().set_up()
         self._own_radius: float | None = None
-        self._pointer: Place | None = None
-        self._last: Place | None = None
 
     @property
     def radius(self) -> float:
@@ -51,10 +49,9 @@ class RingTool(ShapeTool):
         """Apply the tool along a path of the ring; the path is a single place when the gesture begins."""
         raise NotImplementedError
 
-    def on_press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place) -> None:
         """Begin a gesture."""
         self._begin_gesture()
-        self._last, self.used = at, True
         self._session.select_shape(None)
         self.on_hover(at)
         self.apply_along((at,))
@@ -62,20 +59,18 @@ class RingTool(ShapeTool):
     def on_drag(self, at: Place) -> None:
         """Continue along the path of the pointer."""
         self.on_hover(at)
-        if self._last is not None and at != self._last:
-            path, self._last = (self._last, at), at
-            self.apply_along(path)
+        if self.has_new_place:
+            self.apply_along(tuple(self.stroke[-2:]))
 
     def on_hover(self, at: Place) -> None:
         """Move the ring to the pointer."""
-        self._pointer = at
         self._drawing.show_ring(at, self.radius, self.color)
 
     def resize_by(self, by: float) -> None:
         """Make the ring larger or smaller."""
         self.set_radius(min(max(self.radius * _RING_GROWTH**by, BRUSH_RADIUS_RANGE[0]), BRUSH_RADIUS_RANGE[1]))
-        if self._pointer is not None:
-            self.on_hover(self._pointer)
+        if self.pointer is not None:
+            self.on_hover(self.pointer)
 
     def set_radius(self, radius: float) -> None:
         """Set the radius of the ring [px of the image]."""
@@ -83,7 +78,7 @@ class RingTool(ShapeTool):
 
     def hide_marks(self) -> None:
         """Hide the ring."""
-        self._pointer = None
+        super().hide_marks()
         self._drawing.show_ring()
 
 
@@ -159,14 +154,14 @@ class EraserTool(RingTool):
         self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
         self._has_erased = self._has_erased or run_changed or self._session.document is not before
 
-    def on_release(self) -> None:
+    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
         """Keep the erased state."""
         self._erasure = None
-        super().on_release()
+        super().on_release(stroke, is_dragged)
 
     def cancel(self) -> None:
         """Restore what the gesture has erased."""
         erased = self._erasure is not None and self._has_erased
-        self.on_release()
+        self.release()
         if erased:
             self._session.undo()

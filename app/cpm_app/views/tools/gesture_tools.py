@@ -9,9 +9,8 @@ import numpy as np
 from PySide6.QtCore import Qt
 
 from cpm_app.model.document.document import ImageReference
-from cpm_app.model.text.language import tr, translate_core_text
+from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.tools.tool import CHARGE_GROUP, CIRCLE_GROUP, STROKE_GROUP, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
@@ -40,35 +39,25 @@ class DraggedTool(ShapeTool):
     slip_message_in_volume: str
     """Message in a volume when the pointer has not moved."""
 
-    def set_up(self) -> None:
-        """Initialize the state kept between events."""
-        super().set_up()
-        self._start: Position = (0.0, 0.0)
-
     def build_shape(self, begin: Position, at: Position) -> Shape:
         """Build the shape between two places."""
         raise NotImplementedError
 
-    def on_press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position) -> None:
         """Begin a shape."""
-        self._start = at
         self._begin_gesture()
 
     def on_drag(self, at: Position) -> None:
         """Extend the shape to the pointer."""
-        if self._index is not None and (self._drawn_shape or math.dist(self._start, at) >= SMALLEST_RADIUS):
-            shape = self.build_shape(self._start, at)
-            self._put_shape(tr("draw {shape}", shape=translate_core_text(shape.title)), shape)
+        if self._drawn_shape or math.dist(self.stroke[0], at) >= SMALLEST_RADIUS:
+            self._put_shape(tr("draw {shape}"), self.build_shape(self.stroke[0], at))
             self._session.select_shape(self._index)
 
-    def on_release(self) -> None:
+    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
         """Keep the shape."""
-        if self._index is not None and self._drawn_shape is None:
-            self._session.messages.show(
-                self.slip_message if self.volume is None else self.slip_message_in_volume, category=EDITING_CATEGORY
-            )
-        self.used = True
-        super().on_release()
+        if self._drawn_shape is None:
+            self.show_message(self.slip_message if self.volume is None else self.slip_message_in_volume)
+        super().on_release(stroke, is_dragged)
 
 
 class CircleTool(DraggedTool):
@@ -137,7 +126,7 @@ class PointTool(ShapeTool):
     works_by_clicks = True
     keyboard_tip = tr("Enter places a point.")
 
-    def on_press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position) -> None:
         """Place a point."""
         self._begin_gesture()
         self.on_drag(at)
@@ -155,10 +144,9 @@ class ChargeTool(ShapeTool):
     strength: float
     """Strength of new charges; positive ones attract."""
 
-    def on_press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place) -> None:
         """Grab the charge under the pointer, or place one."""
-        self.used = True
-        self._begin_gesture(self._find_charge(at, reach))
+        self._begin_gesture(self._find_charge(at))
         if self._before is None:
             self._put_charge(Charge(at, self.strength))
         self._session.select_shape(self._index)
@@ -170,15 +158,14 @@ class ChargeTool(ShapeTool):
             self._put_charge(Charge(at, charge.strength))
 
     def _put_charge(self, charge: Charge) -> None:
-        verb = tr("drop {charge}") if self._before is None else tr("move {charge}")
-        self._put_shape(verb.format(charge=translate_core_text(charge.title)), charge)
+        self._put_shape(tr("drop {shape}") if self._before is None else tr("move {shape}"), charge)
 
-    def _find_charge(self, at: Place, reach: float) -> int | None:
+    def _find_charge(self, at: Place) -> int | None:
         """Find the index of the charge nearest to the pointer, of equally near ones the topmost."""
         near = [
             (math.dist(shape.position, at), -index)
             for index, shape in enumerate(self._session.document.shapes)
-            if isinstance(shape, Charge) and math.dist(shape.position, at) <= reach
+            if isinstance(shape, Charge) and math.dist(shape.position, at) <= self.reach
         ]
         return -min(near)[1] if near else None
 

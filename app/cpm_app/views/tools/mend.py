@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -19,9 +18,6 @@ from cpm_core.numerics import Place, Position
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.reconstruction import RedrawnCurve, pull_curve
-
-_CLICK_TOLERANCE = 0.5
-"""Largest move of the pointer during a click; beyond it, a press is a drag [hit tolerances]."""
 
 _REDRAW_ADVICE = tr("Release to redraw the line along the edge; Shift only bends it. {key:escape} cancels.")
 """Advice while an outline is dragged."""
@@ -58,6 +54,7 @@ class MendTool(RingTool):
     panel = "objects"
     tip = tr("Drag an outline to pull it, elsewhere to paint; Shift bends it or erases.")
     keyboard_tip = tr("Enter picks up or paints, with Shift erases; arrow keys move, Enter ends.")
+    drag_distance = 0.5
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
@@ -72,9 +69,6 @@ class MendTool(RingTool):
         """The object that the brush would paint; None for a new one."""
         self._obstacle = ""
         """Why the brush would do nothing here, as a sentence."""
-        self._pressed: Position | None = None
-        self._dragged = False
-        self._reach = 1.0
         self._brush.changed.connect(self._show_preview)
 
     @property
@@ -90,7 +84,7 @@ class MendTool(RingTool):
     def advice(self) -> str:
         """Sentence on what a press or a release does here."""
         held, away = self._held, self._is_removing
-        if held is not None and self._dragged:
+        if held is not None and self.is_dragged:
             return insert_keys(_REDRAW_ADVICE)
         item = self._painted if held is None else held.item
         name = "" if item is None else self._list.title_of(item)
@@ -98,7 +92,7 @@ class MendTool(RingTool):
             words = tr("Drag to bend the boundary of {name}.") if away else tr("Drag to pull the boundary of {name}.")
         elif held is not None:
             words = _CONTOUR_ADVICE
-        elif self._pointer is None:
+        elif self.pointer is None:
             words = self.tip
         elif self._obstacle:
             return self._obstacle
@@ -108,26 +102,23 @@ class MendTool(RingTool):
             words = _ADD_ADVICE if item is not None else _PAINT_ADVICE
         return insert_keys(words, name=name)
 
-    def on_press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position) -> None:
         """Grab the outline under the pointer, or begin to paint."""
-        self._find_target(at, reach)
-        self.used, self._pressed, self._dragged = True, at, False
+        self._find_target(at)
         if self._held is None:
-            super().on_press(at, reach)
+            super().on_press(at)
 
     def on_drag(self, at: Position) -> None:
         """Preview a release here, or continue to paint."""
         if self._held is None:
             super().on_drag(at)
-        elif self._pressed is not None:
-            self._pointer = at
-            self._dragged = self._dragged or math.dist(self._pressed, at) > _CLICK_TOLERANCE * self._reach
+        else:
             self._show_preview()
 
-    def on_release(self) -> None:
+    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
         """Carry out what the preview shows, select what was clicked, or end the stroke."""
         held = self._held
-        if held is not None and self._dragged:
+        if held is not None and is_dragged:
             self._editing.redraw_curve(held, self._pull_curve(held), not self._is_removing)
         elif held is not None:
             self._list.select_items((("contour", held.index) if held.item is None else ("object", held.item.number),))
@@ -135,9 +126,8 @@ class MendTool(RingTool):
 
     def on_hover(self, at: Position) -> None:
         """Preview what a press here would grab or paint."""
-        self._pointer = at
-        if self._pressed is None:
-            self._find_target(at, self._reach)
+        if not self.stroke:
+            self._find_target(at)
         self._show_preview()
 
     def apply_along(self, path: Line) -> None:
@@ -154,22 +144,20 @@ class MendTool(RingTool):
         before = self._objects
         if self._brush.painting:
             self._session.edit("", lambda document: replace(document, objects=before), self._gesture)
+        self.stroke, self.is_dragged = [], False
         self._finish_gesture()
 
     def hide_marks(self) -> None:
         """Hide the preview and the ring."""
-        self._pointer = self._held = None
+        super().hide_marks()
+        self._held = None
         self._contours.set_hovered(None)
         self._drawing.show_draft()
-        self._drawing.show_ring()
 
-    def cursor_at(self, at: Position, reach: float) -> Cursor | QCursor:
+    def cursor_at(self, at: Position) -> Cursor | QCursor:
         """Return a hand over an outline, elsewhere a cross, or a bar where the brush would do nothing."""
         if self.volume is None:
             self._editing.request_edges()
-        if self._reach != max(reach, 1.0) and self._pointer is not None:
-            self._find_target(at, reach)
-            self._show_preview()
         if self._held is not None:
             return Cursor.OpenHandCursor
         return Cursor.ForbiddenCursor if self._obstacle else Cursor.CrossCursor
@@ -183,10 +171,9 @@ class MendTool(RingTool):
         """Whether a new object is painted."""
         return bool(self.modifiers & Qt.KeyboardModifier.ControlModifier) and not self._is_removing
 
-    def _find_target(self, at: Place, reach: float) -> None:
+    def _find_target(self, at: Place) -> None:
         """Find the outline or object that a press at a place would act on."""
-        self._reach = max(reach, 1.0)
-        self._held = None if self.volume is not None else self._editing.find_curve(at, self._reach)
+        self._held = None if self.volume is not None else self._editing.find_curve(at, self.reach)
         self._painted, self._obstacle = None, ""
         if self._held is None:
             adds, makes_new = not self._is_removing, self._paints_new_object
@@ -195,19 +182,19 @@ class MendTool(RingTool):
 
     def _pull_curve(self, held: HeldCurve) -> RedrawnCurve:
         """Return the curve that a release at the pointer makes of the held one."""
-        assert self._pointer is not None
-        return pull_curve(held.place, self._pointer, None if self._is_removing else self._editing.edges)
+        assert self.pointer is not None
+        return pull_curve(held.place, self.pointer, None if self._is_removing else self._editing.edges)
 
     def _show_preview(self) -> None:
         """Draw the preview, or the place under the pointer and the ring."""
         held, path = self._held, np.empty((0, 2))
-        if held is not None and self._dragged and self._pointer is not None:
+        if held is not None and self.is_dragged and self.pointer is not None:
             path = self._pull_curve(held).drawn
         self._contours.set_hovered(held.index if held is not None and held.item is None else None)
         adds = self._brush.adds if self._brush.painting else not self._is_removing
         self._drawing.show_draft([] if held is None else [held.place.place], path, theme.BY_HAND_COLOR)
         self._drawing.show_ring(
-            self._pointer if held is None else None,
+            self.pointer if held is None else None,
             self.radius,
             theme.RESTING_COLOR if adds else theme.BARRIER_COLOR,
             None if self.current_slice is None or self._brush.paints_in_space else self.current_slice.axis,
@@ -216,9 +203,8 @@ class MendTool(RingTool):
 
     def _finish_gesture(self) -> None:
         self._brush.end_stroke()
-        self._held = self._pressed = None
-        self._dragged = False
-        super().on_release()
-        if self._pointer is not None:
-            self._find_target(self._pointer, self._reach)
+        self._held = None
+        self._end_gesture()
+        if self.pointer is not None:
+            self._find_target(self.pointer)
         self._show_preview()

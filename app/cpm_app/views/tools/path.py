@@ -6,22 +6,20 @@ import math
 
 from PySide6.QtCore import Qt
 
-from cpm_app.model.document import edits
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.gesture_tools import box_between
 from cpm_app.views.tools.tool import (
     AREA_GROUP,
     CIRCLE_GROUP,
-    FREEHAND_SPACING,
     LIMIT_GROUP,
     MIN_DRAWN_AREA,
     STROKE_GROUP,
     Tool,
+    draw_shape,
 )
 from cpm_core.numerics import Place, polyline
 from cpm_core.numerics.types import Line
@@ -66,11 +64,8 @@ class PathTool(Tool):
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         self._corners: list[Place] = []
-        self._pointer: Place | None = None
-        self._pressed: Place | None = None
-        self._first = self._freehand = self._boxed = False
+        self._is_first = self._boxed = False
         self._begun: Slice | None = None
-        self._reach = 0.0
 
     def build_solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """Build the shape in a volume from a path in a slice."""
@@ -86,7 +81,7 @@ class PathTool(Tool):
         """Sentence on what to do next."""
         if not self._corners:
             return "" if self.used else self.tip
-        if self._freehand and self._first:
+        if self.is_dragged and self._is_first:
             return insert_keys(tr("Release to finish; {key:escape} cancels."))
         ends = tr("Enter or a double click ends it;")
         if self.closed:
@@ -94,48 +89,38 @@ class PathTool(Tool):
         rest = tr("Shift snaps to eight directions; Backspace removes the last corner; {key:escape} cancels.")
         return f"{ends} {insert_keys(rest)}"
 
-    def on_press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place) -> None:
         """Place a corner; a press on the last corner, or on the first one of a closed path, finishes it."""
         ends = [*self._corners[-1:], *(self._corners[:1] if self.closed else [])]
-        if any(math.dist(at, end) <= reach for end in ends):
+        if any(math.dist(at, end) <= self.reach for end in ends):
+            self.stroke = []
             if len(self._corners) >= 2 + self.closed:
                 self.finish()
             return
-        at = self._snap_direction(at)
-        self._first = not self._corners
-        self._begun = self.current_slice if self._first else self._begun
-        self._pressed, self._reach, self._freehand = at, reach, False
-        self._pointer = None
-        self._corners.append(at)
+        self._is_first = not self._corners
+        self._begun = self.current_slice if self._is_first else self._begun
+        self._corners.append(self._snap_direction(at))
         self._show_draft()
 
     def on_drag(self, at: Place) -> None:
         """Draw freehand, or a rectangle around an area, after the pointer has left the place of the press."""
-        if self._pressed is None:
-            return
-        self._freehand = self._freehand or math.dist(self._pressed, at) > self._reach
-        if not self._freehand:
-            return
-        if self._first and self.is_area:
-            (top, left), (bottom, right) = self.position_in_slice(self._pressed), self.position_in_slice(at)
+        if self.is_dragged and self._is_first and self.is_area:
+            (top, left), (bottom, right) = self.position_in_slice(self.stroke[0]), self.position_in_slice(at)
             corners = ((top, left), (top, right), (bottom, right), (bottom, left))
             self._corners, self._boxed = list(map(self.place_in_image, corners)), True
             self._show_draft()
-        elif math.dist(self._corners[-1], at) >= max(FREEHAND_SPACING, 0.25 * self._reach):
+        elif self.is_dragged and self.has_new_place:
             self._corners.append(at)
             self._show_draft()
 
-    def on_release(self) -> None:
+    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
         """Finish a path that was drawn with one drag; any other waits for further corners."""
-        whole = self._freehand and self._first
-        self._pressed, self._freehand = None, False
-        if whole:
+        if is_dragged and self._is_first:
             self.finish()
 
     def on_hover(self, at: Place) -> None:
         """Extend the path to the pointer."""
         if self._corners:
-            self._pointer = self._snap_direction(at)
             self._show_draft()
 
     def finish(self) -> None:
@@ -157,32 +142,22 @@ class PathTool(Tool):
                 shape = self.build_solid(flat, begun, volume)
         self.cancel()
         if shape is None:
-            advice = tr(
-                "That is too small for a {shape}. {advice}",
-                shape=translate_core_text(self.shape_class.title),
-                advice=self.tip,
-            )
-            self._session.messages.show(advice, category=EDITING_CATEGORY)
+            title = translate_core_text(self.shape_class.title)
+            self.show_message(tr("That is too small for a {shape}. {advice}", shape=title, advice=self.tip))
             return
-        self._session.edit(
-            tr("draw {shape}", shape=translate_core_text(shape.title)),
-            lambda document: edits.add_shape(document, shape),
-        )
-        self._session.select_shape(len(self._session.document.shapes) - 1)
+        draw_shape(self._session, shape)
 
     def remove_last_part(self) -> None:
         """Remove the last corner."""
         if self._corners:
             self._corners.pop()
-            self._pressed = None
+            self.stroke = []
             self._show_draft()
 
     def cancel(self) -> None:
         """Discard the path."""
-        self.used = self.used or bool(self._corners)
-        self._corners = []
-        self._pointer = self._pressed = None
-        self._freehand = self._boxed = False
+        super().cancel()
+        self._corners, self._boxed = [], False
         self._show_draft()
 
     def _snap_direction(self, at: Place) -> Place:
@@ -197,7 +172,8 @@ class PathTool(Tool):
         return self.place_in_image((row + far * math.sin(angle) / high, col + far * math.cos(angle) / wide))
 
     def _show_draft(self) -> None:
-        ahead = [self._pointer] if self._corners and self._pointer else []
+        rests = self._corners and self.pointer and not self.stroke
+        ahead = [self._snap_direction(self.pointer)] if rests and self.pointer else []
         self._drawing.show_draft(self._corners, [*self._corners, *ahead], self.color, self.closed)
         self._on_advice_changed()
 

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from cpm_app.model.display.lengths import format_measured_length
 from cpm_app.model.document.edits import ShapeHit
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import tr, translate_core_text
+from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_rows import ItemKey
 from cpm_app.session.features.slices import hit_shape
 from cpm_app.views.theme import theme
@@ -50,7 +50,6 @@ class SelectTool(ShapeTool):
         self._part = ""
         self._anchor: Place = (0.0, 0.0)
         self._crossing = False
-        self._reach = 0.0
         self._corner: Position | None = None
         """Corner where the frame begins."""
         self._selected_before: frozenset[ItemKey] = frozenset()
@@ -80,10 +79,10 @@ class SelectTool(ShapeTool):
         listed = self._list.rows or self._session.scene.contours
         return tr("Click to select, or drag a frame around several.") if listed else ""
 
-    def on_press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place) -> None:
         """Select the shape, object or contour under the pointer, or begin a frame."""
-        self._reach, self._selected_before = reach, self._list.selected_keys
-        found, key = self._find_item(at, reach)
+        self._selected_before = self._list.selected_keys
+        found, key = self._find_item(at)
         self._session.select_shape(found.index if found is not None else None)
         if found is not None:
             self._begin_gesture(found.index)
@@ -112,19 +111,16 @@ class SelectTool(ShapeTool):
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
-            self._put_shape(
-                tr("reshape {shape}", shape=translate_core_text(shape.title)), shape.with_handle_at(self._anchor, at)
-            )
+            self._put_shape(tr("reshape {shape}"), shape.with_handle_at(self._anchor, at))
         else:
-            by = tuple(map(operator.sub, at, self._anchor))
-            self._put_shape(tr("move {shape}", shape=translate_core_text(shape.title)), shape.translated(by))
+            self._put_shape(tr("move {shape}"), shape.translated(tuple(map(operator.sub, at, self._anchor))))
 
-    def on_release(self) -> None:
+    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
         """Keep the selection; a click outside all items clears it."""
         if self._before is None and not self._met_keys and not self.modifiers & _SELECTION_MODIFIERS:
             self._list.select_items(())
         self._end_frame()
-        super().on_release()
+        super().on_release(stroke, is_dragged)
 
     def cancel(self) -> None:
         """Restore the shape and the selection, and highlight nothing."""
@@ -137,11 +133,12 @@ class SelectTool(ShapeTool):
 
     def hide_marks(self) -> None:
         """Highlight nothing."""
+        super().hide_marks()
         self._list.set_hovered_item(None)
 
-    def cursor_at(self, at: Place, reach: float) -> Cursor:
+    def cursor_at(self, at: Place) -> Cursor:
         """Highlight the item under the pointer, and return arrows over a shape, a hand over another item."""
-        found, key = self._find_item(at, reach)
+        found, key = self._find_item(at)
         self._list.set_hovered_item(key)
         if found is None:
             if key is not None:
@@ -153,28 +150,36 @@ class SelectTool(ShapeTool):
         upright = abs(at[0] - shape.center[0]) > abs(at[1] - shape.center[1])
         return Cursor.SizeVerCursor if upright else Cursor.SizeHorCursor
 
-    def has_handle_at(self, at: Place, reach: float) -> bool:
+    def select_item_at(self, at: Place) -> bool:
+        """Select the item at a place, unless it is selected already; return whether there is one."""
+        found, key = self._find_item(at)
+        self._session.select_shape(None if found is None else found.index)
+        if key is not None and key not in self._list.selected_keys:
+            self._list.select_items((key,))
+        return found is not None or key is not None
+
+    def has_handle_at(self, at: Place) -> bool:
         """Tell whether a handle of the selected shape lies under the pointer."""
-        found = self._find_shape(at, reach)
+        found = self._find_shape(at)
         return found is not None and found.part == "handle"
 
-    def _find_item(self, at: Place, reach: float) -> tuple[ShapeHit | None, ItemKey | None]:
+    def _find_item(self, at: Place) -> tuple[ShapeHit | None, ItemKey | None]:
         """Find the shape at a place, or else the row: lines before areas, the selected shape first."""
-        found = self._find_shape(at, reach)
+        found = self._find_shape(at)
         if found is not None:
             shape = self._session.document.shapes[found.index]
             selected = found.index == self._session.selected_shape
-            if found.part == "handle" or selected or shape.distance_to(at) <= reach:
+            if found.part == "handle" or selected or shape.distance_to(at) <= self.reach:
                 return found, None
-        key = self._list.item_at(at, reach)
+        key = self._list.item_at(at, self.reach)
         return (None, key) if key is not None else (found, None)
 
-    def _find_shape(self, at: Place, reach: float) -> ShapeHit | None:
-        return hit_shape(self._session.scene, at, reach, self.current_slice)
+    def _find_shape(self, at: Place) -> ShapeHit | None:
+        return hit_shape(self._session.scene, at, self.reach, self.current_slice)
 
     def _draw_frame(self, corner: Position, at: Position) -> None:
         """Select the items in the frame, once it is larger than a click."""
-        if max(abs(at[0] - corner[0]), abs(at[1] - corner[1])) <= self._reach:
+        if max(abs(at[0] - corner[0]), abs(at[1] - corner[1])) <= self.reach:
             return
         frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
         self._removes = bool(self.modifiers & _DESELECT_MODIFIER)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
@@ -14,10 +13,9 @@ from PySide6.QtGui import QCursor
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.surface_section import object_contains
-from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_pointer
-from cpm_app.views.tools.tool import FREEHAND_SPACING, MEND_GROUP, Cursor, Tool
+from cpm_app.views.tools.tool import MEND_GROUP, Cursor, Tool
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Halves, SegmentedObject, split_object, split_object_along
 
@@ -47,9 +45,6 @@ class SplitTool(Tool):
         self._clicked_object: SegmentedObject | None = None
         """Object with one half clicked."""
         self._first: Place = (0.0, 0.0)
-        self._path: list[Place] = []
-        self._at: Place | None = None
-        self._reach, self._dragged = 1.0, False
         self._preview = QTimer(self._list, singleShot=True, interval=_PREVIEW_DELAY)
         self._preview.timeout.connect(self._show_preview)
 
@@ -61,7 +56,7 @@ class SplitTool(Tool):
     @property
     def advice(self) -> str:
         """Sentence on what the next click does."""
-        if self._dragged:
+        if self._draws_line:
             return insert_keys(tr("Release to split along the line; {key:escape} cancels."))
         if self._clicked_object is not None:
             name = self._list.title_of(self._clicked_object)
@@ -69,36 +64,30 @@ class SplitTool(Tool):
         return self._usage
 
     @property
+    def _draws_line(self) -> bool:
+        return self.is_dragged and self.volume is None
+
+    @property
     def _usage(self) -> str:
         """Sentence on how to split here; in a volume only clicks do."""
         by_clicks = tr("Click one half of an object, then the other: it is split at the neck between them.")
         return self.tip if self.volume is None else by_clicks
 
-    def on_press(self, at: Place, reach: float) -> None:
-        """Begin a click or a line."""
-        self.used, self._reach = True, max(reach, 1.0)
-        self._path, self._dragged = [at], False
-
     def on_drag(self, at: Place) -> None:
         """Draw a line."""
-        if self._path and self.volume is None and math.dist(self._path[-1], at) >= FREEHAND_SPACING:
-            self._path.append(at)
-            self._dragged = self._dragged or math.dist(self._path[0], at) > self._reach
+        if self._draws_line:
             self._show_preview()
 
-    def on_release(self) -> None:
+    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
         """Split along the line, or use the click."""
-        path, dragged = self._path, self._dragged
-        self._path, self._dragged = [], False
-        if dragged:
-            self._split_along(path)
-        elif path:
-            self._on_click(path[0])
+        if is_dragged and self.volume is None:
+            self._split_along(stroke)
+        else:
+            self._on_click(stroke[0])
         self._show_preview()
 
     def on_hover(self, at: Place) -> None:
         """Schedule the preview of a split here, for when the pointer rests."""
-        self._at = at
         self._preview.start()
         self._on_advice_changed()
 
@@ -108,18 +97,17 @@ class SplitTool(Tool):
 
     def cancel(self) -> None:
         """Forget the first half, or the line."""
+        super().cancel()
         self._clicked_object = None
-        self._path, self._dragged = [], False
         self._show_preview()
 
     def hide_marks(self) -> None:
         """Hide the preview."""
-        self._at = None
+        super().hide_marks()
         self._show_preview()
 
-    def cursor_at(self, at: Place, reach: float) -> Cursor | QCursor:
+    def cursor_at(self, at: Place) -> Cursor | QCursor:
         """Return a knife, and prepare the edges."""
-        self._reach = max(reach, 1.0)
         if self.volume is None:
             self._editing.request_edges()
         return create_pointer("knife")
@@ -131,9 +119,7 @@ class SplitTool(Tool):
         elif whole is not None:
             self._clicked_object, self._first = whole, at
         else:
-            self._session.messages.show(
-                tr("There is no object here. {advice}", advice=self._usage), category=EDITING_CATEGORY
-            )
+            self.show_message(tr("There is no object here. {advice}", advice=self._usage))
 
     def _split_along(self, path: list[Place]) -> None:
         places = polyline.path_midpoints(np.array(path), _SAMPLED_PLACES).tolist()
@@ -142,18 +128,13 @@ class SplitTool(Tool):
             most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))
             self._apply_split(most, partial(split_object_along, most, path, self._editing.edges))
         else:
-            self._session.messages.show(
-                tr("The line crosses no object. {advice}", advice=self.tip), category=EDITING_CATEGORY
-            )
+            self.show_message(tr("The line crosses no object. {advice}", advice=self.tip))
 
     def _apply_split(self, whole: SegmentedObject, halves: Callable[[], Halves], at: Place = ()) -> None:
         """Replace an object by its halves, or report why that fails; in a volume, split it at a place."""
         self._clicked_object = None
         if whole.frozen:
-            name = self._list.title_of(whole)
-            self._session.messages.show(
-                tr("{name} is frozen: unfreeze it to split it.", name=name), category=EDITING_CATEGORY
-            )
+            self.show_message(tr("{name} is frozen: unfreeze it to split it.", name=self._list.title_of(whole)))
             return
         try:
             if whole.surface:
@@ -161,7 +142,7 @@ class SplitTool(Tool):
             else:
                 self._commands.split_object(whole, halves())
         except ValueError as error:
-            self._session.messages.show(translate_core_text(str(error)), category=EDITING_CATEGORY)
+            self.show_message(translate_core_text(str(error)))
 
     def _find_object(self, at: Place) -> SegmentedObject | None:
         """Find the object or proposal around a place: a selected one first, then the smallest object."""
@@ -172,9 +153,9 @@ class SplitTool(Tool):
 
     def _show_preview(self) -> None:
         """Draw the line, or the clicked half and the cut that a click here would make."""
-        path: Sequence[Place] | Array = self._path if self._dragged else ()
-        whole, at = self._clicked_object, self._at
-        if not (self._dragged or self.volume or whole is None or at is None) and object_contains(whole, at):
+        path: Sequence[Place] | Array = self.stroke if self._draws_line else ()
+        whole, at = self._clicked_object, self.pointer
+        if not (self._draws_line or self.volume or whole is None or at is None) and object_contains(whole, at):
             with suppress(ValueError):
                 cuts = split_object(whole, self._first, at, self._editing.edges).cuts
                 path = max(cuts, key=len, default=())
