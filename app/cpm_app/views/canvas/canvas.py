@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 
@@ -104,76 +103,67 @@ class ToolDispatcher:
         view.viewport().setCursor(self.find_receiver(view, at).cursor_at(view.place_at(at)))
 
 
-class PointerFilter(QObject):
-    """Handles the mouse buttons in a view: the left one works with the tool in use, the others drag.
+class ToolView(ImageView):
+    """A view in which the left button works with the tool in use, and the others drag.
 
     A right-button drag begins once the pointer has moved; a right click without a drag opens a menu.
     """
 
-    moved = Signal(object)
-    """Position (row, col) of the pointer; not emitted while another button drags."""
-    dragged = Signal(object, object)
-    """Drag with another button: QMouseEvent, and the distance to pan [px of the screen], QPointF."""
     menu_wanted = Signal(object)
     """The right button was clicked at a point of the screen: QPoint."""
     double_clicked = Signal()
     """The left button was clicked a second time, and the tool has handled it."""
 
-    def __init__(self, view: ImageView, canvas: Canvas) -> None:
-        super().__init__(view)
-        self._view, self._canvas = view, canvas
-        self.point_in_view: QPointF | None = None
-        """Point of the view under the pointer; None when it has left."""
-        self._drag_origin: QPointF | None = None
-        self._is_still = self._is_double_click = False
-        self._handlers: dict[QEvent.Type, Callable[[QMouseEvent], None]] = {
-            QEvent.Type.MouseButtonPress: self._on_button_pressed,
-            QEvent.Type.MouseButtonDblClick: self._on_button_pressed,
-            QEvent.Type.MouseMove: self._on_pointer_moved,
-            QEvent.Type.MouseButtonRelease: self._on_button_released,
-        }
-        view.viewport().installEventFilter(self)
+    canvas: Canvas
+    """The canvas itself, or that next to a side view; it has the keyboard focus and the dispatcher."""
+    point_in_view: QPointF | None = None
+    """Point of the view under the pointer; None when it has left."""
+    _drag_origin: QPointF | None = None
+    _is_still = _is_double_click = False
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle the events of the pointer."""
-        if isinstance(event, QMouseEvent) and event.type() in self._handlers:
-            event.accept()
-            self._handlers[event.type()](event)
-            return True
-        canvas = self._canvas
-        if event.type() == QEvent.Type.Leave and not (canvas.is_led_by_keys or canvas.dispatcher.is_dragging):
-            canvas.remove_pointer()
-        return False
+    def move_pointer_to(self, at: Position) -> None:
+        """Move the pointer to a position, unless another button drags."""
+        raise NotImplementedError
 
-    def _on_button_pressed(self, event: QMouseEvent) -> None:
+    def drag_by(self, event: QMouseEvent, by: QPointF) -> None:
+        """Drag with another button; `by` is the distance to pan [px of the screen]."""
+        raise NotImplementedError
+
+    # Called by Qt
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin a gesture or a drag."""
-        canvas = self._canvas
+        canvas = self.canvas
         canvas.keyboard_interrupted.emit()
         canvas.setFocus()
-        if event.button() == Qt.MouseButton.LeftButton and self._view.shape is not None:
+        if event.button() == Qt.MouseButton.LeftButton and self.shape is not None:
             canvas.dispatcher.set_modifiers(event.modifiers())
             self._is_double_click = event.type() == QEvent.Type.MouseButtonDblClick
-            canvas.dispatcher.press_button(self._view, self._view.map_to_image(event.position()))
+            canvas.dispatcher.press_button(self, self.map_to_image(event.position()))
         elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
             self._drag_origin, self._is_still = event.position(), event.button() == Qt.MouseButton.RightButton
-            self.dragged.emit(event, QPointF())
+            self.drag_by(event, QPointF())
 
-    def _on_pointer_moved(self, event: QMouseEvent) -> None:
-        """Continue a drag, or report the position of the pointer."""
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Begin the gesture of a second click."""
+        self.mousePressEvent(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Continue a drag, or move the pointer."""
         self.point_in_view = event.position()
         if self._drag_origin is not None:
             by = self._drag_origin - event.position()
             if not self._is_still or by.manhattanLength() >= QApplication.startDragDistance():
                 self._drag_origin, self._is_still = event.position(), False
-                self._view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
-                self.dragged.emit(event, by)
-        elif not self._canvas.is_led_by_keys:
-            self._canvas.dispatcher.set_modifiers(event.modifiers())
-            self.moved.emit(self._view.map_to_image(event.position()))
+                self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+                self.drag_by(event, by)
+        elif not self.canvas.is_led_by_keys:
+            self.canvas.dispatcher.set_modifiers(event.modifiers())
+            self.move_pointer_to(self.map_to_image(event.position()))
 
-    def _on_button_released(self, event: QMouseEvent) -> None:
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """End a gesture or a drag."""
-        dispatcher = self._canvas.dispatcher
+        dispatcher = self.canvas.dispatcher
         if event.button() == Qt.MouseButton.LeftButton and dispatcher.is_dragging:
             dispatcher.release_button()
             if self._is_double_click:
@@ -182,10 +172,15 @@ class PointerFilter(QObject):
             self._drag_origin = None
             if self._is_still and event.button() == Qt.MouseButton.RightButton and not dispatcher.is_dragging:
                 self.menu_wanted.emit(event.globalPosition().toPoint())
-            dispatcher.show_cursor(self._view, self._view.map_to_image(event.position()))
+            dispatcher.show_cursor(self, self.map_to_image(event.position()))
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Remove the pointer, unless keys lead it or it drags."""
+        if not (self.canvas.is_led_by_keys or self.canvas.dispatcher.is_dragging):
+            self.canvas.remove_pointer()
 
 
-class Canvas(ImageView):
+class Canvas(ToolView):
     """Shows the image, or the current slice; the middle and the right button pan, the wheel zooms."""
 
     pointer_moved = Signal(object)
@@ -212,9 +207,7 @@ class Canvas(ImageView):
         self.is_led_by_keys = False
         self._pointer: Position | None = None
         self._wheel = WheelNotchCounter()
-        self.pointer = PointerFilter(self, self)
-        self.pointer.moved.connect(self.move_pointer_to)
-        self.pointer.dragged.connect(lambda _, by: self.pan_by(by.x(), by.y()))
+        self.canvas = self
         self.view.sigRangeChanged.connect(self.report_resting_pointer)
 
     def on_image_changed(self) -> None:
@@ -238,16 +231,20 @@ class Canvas(ImageView):
         self.dispatcher.move_pointer(self, at)
         self._emit_pointer_place(at)
 
+    def drag_by(self, event: QMouseEvent, by: QPointF) -> None:
+        """Pan."""
+        self.pan_by(by.x(), by.y())
+
     def remove_pointer(self) -> None:
         """Handle the pointer leaving the canvas."""
-        self._pointer = self.pointer.point_in_view = None
+        self._pointer = self.point_in_view = None
         self.dispatcher.tool.hide_marks()
         self._emit_pointer_place(None)
 
     def report_resting_pointer(self) -> None:
         """Report the place under a resting pointer again, after the image has moved or changed under it."""
-        if self.pointer.point_in_view is not None and not self.is_led_by_keys:
-            self._pointer = self.map_to_image(self.pointer.point_in_view)
+        if self.point_in_view is not None and not self.is_led_by_keys:
+            self._pointer = self.map_to_image(self.point_in_view)
             self._emit_pointer_place(self._pointer)
 
     def _emit_pointer_place(self, at: Position | None) -> None:
