@@ -12,7 +12,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE, default_brush_radius
 from cpm_app.session.undo_history import Erasure
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import SELECT_GROUP, STROKE_GROUP, ShapeTool
+from cpm_app.views.tools.tool import ShapeTool
 from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Points
 
@@ -88,7 +88,6 @@ class SprayTool(RingTool):
     name = "spray"
     menu_text = tr("Spra&y")
     shortcut = "Y"
-    group = STROKE_GROUP
     tip = tr("Drag to scatter points; [ and ] change the ring.")
     color = theme.DRAWING_COLOR
     guidance = tr("Drag to spray points; [ and ] make the ring smaller and larger.")
@@ -133,7 +132,6 @@ class EraserTool(RingTool):
     name = "eraser"
     menu_text = tr("&Eraser")
     shortcut = "E"
-    group = SELECT_GROUP
     tip = tr("Drag to erase points, shapes and particles; [ and ] change its ring.")
     color = theme.SELECTED_COLOR
     guidance = tr("Drag over points, shapes or particles to erase them; [ and ] make the ring smaller and larger.")

@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import Slice
-from cpm_app.views.tools.tool import CHARGE_GROUP, CIRCLE_GROUP, STROKE_GROUP, ShapeTool
+from cpm_app.views.tools.tool import ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
 from cpm_core.shapes.solids import MIN_BOX_SIDE
@@ -66,7 +66,6 @@ class CircleTool(DraggedTool):
     name = "circle"
     menu_text = tr("&Circle")
     shortcut = "C"
-    group = CIRCLE_GROUP
     tip = tr("Drag from the center to draw a circle.")
     slip_message = tr("Keep the button down and drag to draw a circle from its center.")
     slip_message_in_volume = tr("Keep the button down and drag to draw a sphere from its center.")
@@ -88,7 +87,6 @@ class EllipseTool(DraggedTool):
     name = "ellipse"
     menu_text = tr("E&llipse")
     shortcut = "L"
-    group = CIRCLE_GROUP
     tip = tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its center.")
     slip_message = tr("Keep the button down and drag to draw an ellipse.")
     slip_message_in_volume = tr("Keep the button down and drag from corner to corner to draw a box.")
@@ -121,7 +119,6 @@ class PointTool(ShapeTool):
     name = "points"
     menu_text = tr("&Points")
     shortcut = "P"
-    group = STROKE_GROUP
     tip = tr("Click to place a point.")
     works_by_clicks = True
     keyboard_tip = tr("Enter places a point.")
@@ -176,7 +173,6 @@ class AttractTool(ChargeTool):
     name = "attract"
     menu_text = tr("&Attract")
     shortcut = "A"
-    group = CHARGE_GROUP
     tip = tr("Place a charge that attracts particles, and drag it while they run; [ and ] change its strength.")
     guidance = tr("Click to place a charge that attracts particles; drag it while they run.")
     strength = 2.0
@@ -188,7 +184,6 @@ class RepelTool(ChargeTool):
     name = "repel"
     menu_text = tr("&Repel")
     shortcut = "D"
-    group = CHARGE_GROUP
     tip = tr("Place a charge that repels particles, and drag it while they run; [ and ] change its strength.")
     guidance = tr("Click to place a charge that repels particles; drag it while they run.")
     strength = -2.0

@@ -13,7 +13,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.outline_editing import HeldCurve
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.brush_tools import RingTool
-from cpm_app.views.tools.tool import MEND_GROUP, REMOVE_MODIFIER, Cursor
+from cpm_app.views.tools.tool import REMOVE_MODIFIER, Cursor
 from cpm_core.numerics import Place, Position
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import SegmentedObject
@@ -50,7 +50,6 @@ class MendTool(RingTool):
     name = "mend"
     menu_text = tr("&Mend")
     shortcut = "J"
-    group = MEND_GROUP
     panel = "objects"
     tip = tr("Drag an outline to pull it, elsewhere to paint; Shift bends it or erases.")
     keyboard_tip = tr("Enter picks up or paints, with Shift erases; arrow keys move, Enter ends.")

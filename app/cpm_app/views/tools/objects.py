@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import OBJECT_GROUP, REMOVE_MODIFIER, Cursor, Tool
+from cpm_app.views.tools.tool import REMOVE_MODIFIER, Cursor, Tool
 from cpm_core.numerics import Place
 from cpm_core.objects.segmented import Click
 
@@ -28,7 +28,6 @@ class ObjectTool(Tool):
     name = "objects"
     menu_text = tr("Ob&jects")
     shortcut = "W"
-    group = OBJECT_GROUP
     panel = "objects"
     tip = tr("Click in an object to select it, Shift-click to remove what does not belong to it; Enter accepts it.")
     keyboard_tip = tr("Enter clicks, Shift+Enter removes what does not belong to the object; Ctrl+Enter accepts it.")

@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.outline_editing import HeldCurve, PathFinder
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import MIN_DRAWN_AREA, OBJECT_GROUP, Cursor, Tool
+from cpm_app.views.tools.tool import MIN_DRAWN_AREA, Cursor, Tool
 from cpm_core.numerics import Array, Position, polyline
 from cpm_core.reconstruction import replace_stretch, snap_path_to_ridge
 
@@ -38,7 +38,6 @@ class OutlineTool(Tool):
     name = "outline"
     menu_text = tr("O&utline")
     shortcut = "U"
-    group = OBJECT_GROUP
     panel = "objects"
     tip = tr(
         "Click along the boundary of an object: the line follows the edges, and becomes an object, open or closed."

@@ -13,11 +13,7 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.gesture_tools import box_between
 from cpm_app.views.tools.tool import (
-    AREA_GROUP,
-    CIRCLE_GROUP,
-    LIMIT_GROUP,
     MIN_DRAWN_AREA,
-    STROKE_GROUP,
     Tool,
     draw_shape,
 )
@@ -184,7 +180,6 @@ class StrokeTool(PathTool):
     name = "stroke"
     menu_text = tr("S&troke")
     shortcut = "T"
-    group = STROKE_GROUP
     tip = tr("Drag, or click corner by corner, where particles start.")
     shape_class = Stroke
     closed = False
@@ -197,7 +192,6 @@ class PolygonTool(PathTool):
     name = "polygon"
     menu_text = tr("P&olygon")
     shortcut = "O"
-    group = CIRCLE_GROUP
     tip = tr("Click corner by corner, or drag, along a closed line to start from.")
     shape_class = Polygon
     is_spatial = True
@@ -209,7 +203,6 @@ class GridTool(PathTool):
     name = "grid_area"
     menu_text = tr("&Grid")
     shortcut = "G"
-    group = AREA_GROUP
     tip = tr(
         "Drag a rectangle, or click corner by corner, to cover an area with an even grid; [ and ] change its spacing."
     )
@@ -227,7 +220,6 @@ class ThresholdTool(PathTool):
     name = "threshold"
     menu_text = tr("T&hreshold")
     shortcut = "H"
-    group = AREA_GROUP
     tip = tr(
         "Drag a rectangle, or click corner by corner, to start on the strong edges in it; [ and ] change how strong."
     )
@@ -245,7 +237,6 @@ class RegionTool(PathTool):
     name = "region"
     menu_text = tr("Region of &interest")
     shortcut = "I"
-    group = LIMIT_GROUP
     tip = tr("Drag a rectangle, or click corner by corner, around the region that particles must stay in.")
     shape_class = Region
     is_area = True
@@ -264,7 +255,6 @@ class BarrierTool(PathTool):
     name = "barrier"
     menu_text = tr("&Barrier")
     shortcut = "B"
-    group = LIMIT_GROUP
     tip = tr("Drag, or click corner by corner, to draw a line that no particle crosses.")
     shape_class = Barrier
     color = theme.BARRIER_COLOR

@@ -13,7 +13,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_rows import ItemKey
 from cpm_app.session.features.slices import hit_shape
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import SELECT_GROUP, Cursor, ShapeTool
+from cpm_app.views.tools.tool import Cursor, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Circle
 
@@ -35,7 +35,6 @@ class SelectTool(ShapeTool):
     menu_text = tr("&Select tool")
     word = tr("Select")
     shortcut = "S"
-    group = SELECT_GROUP
     panel = "objects"
     tip = tr(
         "Click objects, contours or shapes to select them, or drag a frame around them; drag a shape to move it. "

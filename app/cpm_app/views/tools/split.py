@@ -15,7 +15,7 @@ from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.surface_section import object_contains
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_pointer
-from cpm_app.views.tools.tool import MEND_GROUP, Cursor, Tool
+from cpm_app.views.tools.tool import Cursor, Tool
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Halves, SegmentedObject, split_object, split_object_along
 
@@ -32,7 +32,6 @@ class SplitTool(Tool):
     name = "split"
     menu_text = tr("Spli&t")
     shortcut = "K"
-    group = MEND_GROUP
     panel = "objects"
     tip = tr("Click one half of an object, then the other, or drag a line across it.")
     works_by_clicks = True

@@ -32,46 +32,6 @@ _MIN_STROKE_MOVE = 0.25
 MIN_DRAWN_AREA = 4.0
 """Area below which a closed path is taken for an accident [px²]."""
 
-OBJECT_GROUP = tr("Objects")
-"""Group of the tools that select and draw objects."""
-
-SELECT_GROUP = tr("Select")
-"""Group of the tools that select and erase."""
-
-MEND_GROUP = tr("Mend")
-"""Group of the tools that mend contours and objects."""
-
-CIRCLE_GROUP = tr("Circle")
-"""Group of the closed starts."""
-
-STROKE_GROUP = tr("Stroke")
-"""Group of the open starts and points."""
-
-AREA_GROUP = tr("Area")
-"""Group of the starts that fill an area."""
-
-AUTO_GROUP = tr("Auto")
-"""Group of the starts that need no drawing; it has no tools."""
-
-LIMIT_GROUP = tr("Limit")
-"""Group of regions of interest and barriers."""
-
-CHARGE_GROUP = tr("Charge")
-"""Group of the placed charges."""
-
-TOOL_GROUPS = (
-    OBJECT_GROUP,
-    SELECT_GROUP,
-    MEND_GROUP,
-    CIRCLE_GROUP,
-    STROKE_GROUP,
-    AREA_GROUP,
-    AUTO_GROUP,
-    LIMIT_GROUP,
-    CHARGE_GROUP,
-)
-"""Groups of tools in display order."""
-
 _gestures = itertools.count()
 
 
@@ -95,8 +55,6 @@ class Tool:
     """Text in the menu."""
     shortcut: str
     """Key that selects the tool."""
-    group: str
-    """One of `TOOL_GROUPS`."""
     panel: Literal["objects", "run"] = "run"
     """The tab of the right column that belongs to it."""
     tip: str = ""
