@@ -19,10 +19,10 @@ from cpm_app.views.layers.layer import ChoiceOption, Layer, LegendEntry
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
-DARK_MAP_FRACTION = 0.18
+_DARK_MAP_FRACTION = 0.18
 """Fraction of the color maps that is too dark to stand out from a dark image."""
 
-UNKNOWN_COLOR = theme.JUNCTION_COLOR
+_UNKNOWN_COLOR = theme.JUNCTION_COLOR
 """Color of particles whose quantity is not known yet; no color map contains it."""
 
 _LEGEND_WIDTH = 154
@@ -35,7 +35,7 @@ _LEGEND_HTML = (
     f"<table width='{_LEGEND_WIDTH}' cellspacing='0' cellpadding='1'>"
     "<tr><td colspan='3' align='center'>{title}</td></tr>"
     f"<tr><td colspan='3'><img src='{{map}}' width='{_LEGEND_WIDTH}' height='{_STRIP_HEIGHT}'></td></tr><tr><td>0</td>"
-    f"<td align='center' style='color:{UNKNOWN_COLOR}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
+    f"<td align='center' style='color:{_UNKNOWN_COLOR}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
 )
 """Template of the legend: title, a strip of colors, and the values at its ends."""
 
@@ -179,8 +179,8 @@ class ParticleLayer(Layer):
         palette: list[str] = []
         if self.get_choice("colour") != _BY_STATE:
             palette, strip = (
-                _build_quantity_palette(name := self.get_choice("map")),
-                color_maps.draw_color_strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, DARK_MAP_FRACTION),
+                build_quantity_palette(name := self.get_choice("map")),
+                color_maps.draw_color_strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, _DARK_MAP_FRACTION),
             )
             self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
         for discs in self._discs:
@@ -197,12 +197,11 @@ class ParticleLayer(Layer):
         opacity = None if near is None else 1.0 - _OFF_SLICE_FADING * near.distance
         if snapshot is not None and self.get_choice("colour") != _BY_STATE:
             quantity = QUANTITIES[self.get_choice("colour")]
-            shown = color_particles(quantity, snapshot.state, snapshot.metrics)
-            marks = shown.color_indices if near is None else shown.color_indices[near.index]
-            high = localize_number(f"{shown.high:g}")
-            unknown = tr("● too new") if (shown.color_indices == SHADE_COUNT).any() else ""
+            marks, high = color_particles(quantity, snapshot.state, snapshot.metrics)
+            unknown = tr("● too new") if (marks == SHADE_COUNT).any() else ""
+            marks, end = marks if near is None else marks[near.index], localize_number(f"{high:g}")
             self.legend.show_html(
-                _LEGEND_HTML.format(title=quantity.title, map=self.get_choice("map"), high=high, unknown=unknown)
+                _LEGEND_HTML.format(title=quantity.title, map=self.get_choice("map"), high=end, unknown=unknown)
             )
         for discs in self._discs:
             if snapshot is None:
@@ -215,8 +214,8 @@ class ParticleLayer(Layer):
         self.apply_visibility()
 
 
-def _build_quantity_palette(name: str) -> list[str]:
+def build_quantity_palette(name: str) -> list[str]:
     """Build the palette: colors from low to high, and one for unknown values."""
-    return [QColor(*map(int, row)).name() for row in color_maps.color_table(name, SHADE_COUNT, DARK_MAP_FRACTION)] + [
-        UNKNOWN_COLOR
+    return [QColor(*map(int, row)).name() for row in color_maps.color_table(name, SHADE_COUNT, _DARK_MAP_FRACTION)] + [
+        _UNKNOWN_COLOR
     ]
