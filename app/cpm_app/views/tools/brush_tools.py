@@ -53,33 +53,25 @@ class RingTool(ShapeTool):
         """Begin a gesture."""
         self._begin_gesture()
         self._session.select_shape(None)
-        self.on_hover(at)
         self.apply_along((at,))
 
     def on_drag(self, at: Place) -> None:
         """Continue along the path of the pointer."""
-        self.on_hover(at)
         if self.has_new_place:
             self.apply_along(tuple(self.stroke[-2:]))
 
-    def on_hover(self, at: Place) -> None:
-        """Move the ring to the pointer."""
-        self._drawing.show_ring(at, self.radius, self.color)
+    def draw_marks(self) -> None:
+        """Draw the ring around the pointer."""
+        self._drawing.show_ring(self.pointer, self.radius, self.color)
 
     def resize_by(self, by: float) -> None:
         """Make the ring larger or smaller."""
         self.set_radius(min(max(self.radius * _RING_GROWTH**by, BRUSH_RADIUS_RANGE[0]), BRUSH_RADIUS_RANGE[1]))
-        if self.pointer is not None:
-            self.on_hover(self.pointer)
+        self.update_marks()
 
     def set_radius(self, radius: float) -> None:
         """Set the radius of the ring [px of the image]."""
         self._own_radius = radius
-
-    def hide_marks(self) -> None:
-        """Hide the ring."""
-        super().hide_marks()
-        self._drawing.show_ring()
 
 
 class SprayTool(RingTool):
@@ -152,10 +144,10 @@ class EraserTool(RingTool):
         self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
         self._has_erased = self._has_erased or run_changed or self._session.document is not before
 
-    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
+    def on_release(self) -> None:
         """Keep the erased state."""
         self._erasure = None
-        super().on_release(stroke, is_dragged)
+        super().on_release()
 
     def cancel(self) -> None:
         """Restore what the gesture has erased."""

@@ -53,11 +53,11 @@ class DraggedTool(ShapeTool):
             self._put_shape(tr("draw {shape}"), self.build_shape(self.stroke[0], at))
             self._session.select_shape(self._index)
 
-    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
+    def on_release(self) -> None:
         """Keep the shape."""
         if self._drawn_shape is None:
             self.show_message(self.slip_message if self.volume is None else self.slip_message_in_volume)
-        super().on_release(stroke, is_dragged)
+        super().on_release()
 
 
 class CircleTool(DraggedTool):

@@ -68,7 +68,7 @@ class MendTool(RingTool):
         """The object that the brush would paint; None for a new one."""
         self._obstacle = ""
         """Why the brush would do nothing here, as a sentence."""
-        self._brush.changed.connect(self._show_preview)
+        self._brush.changed.connect(self.update_marks)
 
     @property
     def radius(self) -> float:
@@ -108,16 +108,14 @@ class MendTool(RingTool):
             super().on_press(at)
 
     def on_drag(self, at: Position) -> None:
-        """Preview a release here, or continue to paint."""
+        """Continue to paint, unless an outline is pulled."""
         if self._held is None:
             super().on_drag(at)
-        else:
-            self._show_preview()
 
-    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
+    def on_release(self) -> None:
         """Carry out what the preview shows, select what was clicked, or end the stroke."""
         held = self._held
-        if held is not None and is_dragged:
+        if held is not None and self.is_dragged:
             self._editing.redraw_curve(held, self._pull_curve(held), not self._is_removing)
         elif held is not None:
             self._list.select_items((("contour", held.index) if held.item is None else ("object", held.item.number),))
@@ -125,9 +123,7 @@ class MendTool(RingTool):
 
     def on_hover(self, at: Position) -> None:
         """Preview what a press here would grab or paint."""
-        if not self.stroke:
-            self._find_target(at)
-        self._show_preview()
+        self._find_target(at)
 
     def apply_along(self, path: Line) -> None:
         """Begin a stroke, or continue it."""
@@ -143,15 +139,13 @@ class MendTool(RingTool):
         before = self._objects
         if self._brush.painting:
             self._session.edit("", lambda document: replace(document, objects=before), self._gesture)
-        self.stroke, self.is_dragged = [], False
         self._finish_gesture()
+        super().cancel()
 
     def hide_marks(self) -> None:
         """Hide the preview and the ring."""
-        super().hide_marks()
         self._held = None
-        self._contours.set_hovered(None)
-        self._drawing.show_draft()
+        super().hide_marks()
 
     def cursor_at(self, at: Position) -> Cursor | QCursor:
         """Return a hand over an outline, elsewhere a cross, or a bar where the brush would do nothing."""
@@ -184,7 +178,7 @@ class MendTool(RingTool):
         assert self.pointer is not None
         return pull_curve(held.place, self.pointer, None if self._is_removing else self._editing.edges)
 
-    def _show_preview(self) -> None:
+    def draw_marks(self) -> None:
         """Draw the preview, or the place under the pointer and the ring."""
         held, path = self._held, np.empty((0, 2))
         if held is not None and self.is_dragged and self.pointer is not None:
@@ -198,7 +192,6 @@ class MendTool(RingTool):
             theme.RESTING_COLOR if adds else theme.BARRIER_COLOR,
             None if self.current_slice is None or self._brush.paints_in_space else self.current_slice.axis,
         )
-        self._on_advice_changed()
 
     def _finish_gesture(self) -> None:
         self._brush.end_stroke()
@@ -206,4 +199,3 @@ class MendTool(RingTool):
         self._end_gesture()
         if self.pointer is not None:
             self._find_target(self.pointer)
-        self._show_preview()

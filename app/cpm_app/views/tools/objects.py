@@ -80,15 +80,13 @@ class ObjectTool(Tool):
         """Begin a click or a stroke."""
         self._adds, self._wants_another = self._is_positive, self._is_for_another
 
-    def on_drag(self, at: Place) -> None:
-        """Continue a stroke."""
-        if self.has_new_place:
-            self._drawing.show_draft((), self.stroke, theme.RESTING_COLOR if self._adds else theme.BARRIER_COLOR)
+    def draw_marks(self) -> None:
+        """Draw the stroke."""
+        self._drawing.show_draft((), self.stroke, theme.RESTING_COLOR if self._adds else theme.BARRIER_COLOR)
 
-    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
+    def on_release(self) -> None:
         """Do what the click or stroke means, after all that was done before."""
-        self._drawing.show_draft()
-        click = Click(tuple(stroke[:: math.ceil(len(stroke) / _MAX_STROKE_PLACES)]), self._adds)
+        click = Click(tuple(self.stroke[:: math.ceil(len(self.stroke) / _MAX_STROKE_PLACES)]), self._adds)
         needs_answer = not self._selection.selecting
         self._selection.do_in_order(
             partial(self._do_click, click, self._wants_another), click, needs_answer=needs_answer
@@ -129,7 +127,6 @@ class ObjectTool(Tool):
         """Drop the stroke, or the selection in progress."""
         if self.stroke:
             super().cancel()
-            self._drawing.show_draft()
         else:
             self._selection.do_in_order(self._selection.discard_clicks, needs_answer=False)
 

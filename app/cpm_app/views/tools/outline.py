@@ -82,32 +82,19 @@ class OutlineTool(Tool):
             if not self._anchors:
                 self._begin = self._find_curve(at)
             self._add_anchor(place, at, self._trace_piece(place))
-            self._show_draft()
 
-    def on_drag(self, at: Position) -> None:
-        """Draw freehand after the pointer has left the place of the press."""
-        if self.is_dragged and self.has_new_place:
-            self._show_draft()
-
-    def on_release(self, stroke: list[Position], is_dragged: bool) -> None:
+    def on_release(self) -> None:
         """Keep the freehand line, and close it if it has returned to its beginning."""
-        if not is_dragged or len(stroke) < 2:
+        if not self.is_dragged or len(self.stroke) < 2:
             return
-        at, first = stroke[-1], self._anchors[0]
+        at, first = self.stroke[-1], self._anchors[0]
         closes = first.is_near(at, self.reach)
         end = first.place if closes else self._snap_anchor(at)
-        path = np.array([self._anchors[-1].place, *stroke[1:-1], end])
+        path = np.array([self._anchors[-1].place, *self.stroke[1:-1], end])
         edges = None if self._is_straight else self._editing.edges
         self._add_anchor(end, at, path if edges is None else snap_path_to_ridge(path, edges))
         if closes:
             self.finish(closed=True)
-        else:
-            self._show_draft()
-
-    def on_hover(self, at: Position) -> None:
-        """Extend the line to the pointer."""
-        if self._anchors:
-            self._show_draft()
 
     def finish(self, closed: bool = False) -> None:
         """Turn the line into an object, or into a stretch of the outline on which it begins and ends."""
@@ -130,14 +117,13 @@ class OutlineTool(Tool):
         if self._anchors:
             self._anchors.pop()
             self._trace = None
-            self._show_draft()
+            self.update_marks()
 
     def cancel(self) -> None:
         """Discard the line."""
-        super().cancel()
         self._anchors = []
         self._begin = self._trace = None
-        self._show_draft()
+        super().cancel()
 
     def cursor_at(self, at: Position) -> Cursor:
         """Return a cross, and prepare the edges."""
@@ -176,7 +162,8 @@ class OutlineTool(Tool):
         self._anchors.append(_Anchor(place, click, piece))
         self._trace = None
 
-    def _show_draft(self) -> None:
+    def draw_marks(self) -> None:
+        """Draw the line as far as the pointer."""
         parts = self._pieces
         if self.is_dragged:
             parts.append(np.array([self._anchors[-1].place, *self.stroke[1:]]))
@@ -184,4 +171,3 @@ class OutlineTool(Tool):
             parts.append(self._trace_piece(self._snap_anchor(self.pointer)))
         path = np.concatenate(parts) if parts else ()
         self._drawing.show_draft([anchor.place for anchor in self._anchors], path, theme.BY_HAND_COLOR)
-        self._on_advice_changed()

@@ -96,7 +96,6 @@ class PathTool(Tool):
         self._is_first = not self._corners
         self._begun = self.current_slice if self._is_first else self._begun
         self._corners.append(self._snap_direction(at))
-        self._show_draft()
 
     def on_drag(self, at: Place) -> None:
         """Draw freehand, or a rectangle around an area, after the pointer has left the place of the press."""
@@ -104,20 +103,13 @@ class PathTool(Tool):
             (top, left), (bottom, right) = self.position_in_slice(self.stroke[0]), self.position_in_slice(at)
             corners = ((top, left), (top, right), (bottom, right), (bottom, left))
             self._corners, self._boxed = list(map(self.place_in_image, corners)), True
-            self._show_draft()
         elif self.is_dragged and self.has_new_place:
             self._corners.append(at)
-            self._show_draft()
 
-    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
+    def on_release(self) -> None:
         """Finish a path that was drawn with one drag; any other waits for further corners."""
-        if is_dragged and self._is_first:
+        if self.is_dragged and self._is_first:
             self.finish()
-
-    def on_hover(self, at: Place) -> None:
-        """Extend the path to the pointer."""
-        if self._corners:
-            self._show_draft()
 
     def finish(self) -> None:
         """Turn the path into a shape."""
@@ -147,14 +139,12 @@ class PathTool(Tool):
         """Remove the last corner."""
         if self._corners:
             self._corners.pop()
-            self.stroke = []
-            self._show_draft()
+            self._end_stroke()
 
     def cancel(self) -> None:
         """Discard the path."""
-        super().cancel()
         self._corners, self._boxed = [], False
-        self._show_draft()
+        super().cancel()
 
     def _snap_direction(self, at: Place) -> Place:
         """Snap a place, with Shift, to the nearest of eight directions from the last corner."""
@@ -167,11 +157,11 @@ class PathTool(Tool):
         far = down * math.sin(angle) + right * math.cos(angle)
         return self.place_in_image((row + far * math.sin(angle) / high, col + far * math.cos(angle) / wide))
 
-    def _show_draft(self) -> None:
+    def draw_marks(self) -> None:
+        """Draw the path as far as the pointer."""
         rests = self._corners and self.pointer and not self.stroke
         ahead = [self._snap_direction(self.pointer)] if rests and self.pointer else []
         self._drawing.show_draft(self._corners, [*self._corners, *ahead], self.color, self.closed)
-        self._on_advice_changed()
 
 
 class StrokeTool(PathTool):

@@ -105,8 +105,10 @@ class SelectTool(ShapeTool):
         shape = self._before
         if self._crossing:
             self._workspace.slices.go_through(at)
-        if self._corner is not None:
-            self._draw_frame(self._corner, self.position_in_slice(at))
+        if self._frame:
+            self._removes = bool(self.modifiers & _DESELECT_MODIFIER)
+            self._met_keys = self._list.items_inside(self._frame)
+            self._update_selection()
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
@@ -114,12 +116,12 @@ class SelectTool(ShapeTool):
         else:
             self._put_shape(tr("move {shape}"), shape.translated(tuple(map(operator.sub, at, self._anchor))))
 
-    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
+    def on_release(self) -> None:
         """Keep the selection; a click outside all items clears it."""
         if self._before is None and not self._met_keys and not self.modifiers & _SELECTION_MODIFIERS:
             self._list.select_items(())
         self._end_frame()
-        super().on_release(stroke, is_dragged)
+        super().on_release()
 
     def cancel(self) -> None:
         """Restore the shape and the selection, and highlight nothing."""
@@ -176,15 +178,19 @@ class SelectTool(ShapeTool):
     def _find_shape(self, at: Place) -> ShapeHit | None:
         return hit_shape(self._session.scene, at, self.reach, self.current_slice)
 
-    def _draw_frame(self, corner: Position, at: Position) -> None:
-        """Select the items in the frame, once it is larger than a click."""
+    @property
+    def _frame(self) -> tuple[Position, ...]:
+        """Corners of the frame, once it is larger than a click."""
+        if self._corner is None or self.pointer is None:
+            return ()
+        corner, at = self._corner, self.position_in_slice(self.pointer)
         if max(abs(at[0] - corner[0]), abs(at[1] - corner[1])) <= self.reach:
-            return
-        frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
-        self._removes = bool(self.modifiers & _DESELECT_MODIFIER)
-        self._met_keys = self._list.items_inside(frame)
-        self._drawing.show_draft((), (*frame, corner), theme.SELECTED_COLOR)
-        self._update_selection()
+            return ()
+        return corner, (corner[0], at[1]), at, (at[0], corner[1])
+
+    def draw_marks(self) -> None:
+        """Draw the frame."""
+        self._drawing.show_draft((), (*self._frame, *self._frame[:1]), theme.SELECTED_COLOR)
 
     def _update_selection(self) -> None:
         """Combine the found items with the selection according to the modifier keys."""
@@ -194,10 +200,7 @@ class SelectTool(ShapeTool):
             self._list.select_items(
                 self._met_keys | self._selected_before if self.modifiers & _SELECTION_MODIFIERS else self._met_keys
             )
-        self._on_advice_changed()
 
     def _end_frame(self) -> None:
         self._corner = None
         self._met_keys, self._crossing = frozenset(), False
-        self._drawing.show_draft()
-        self._on_advice_changed()

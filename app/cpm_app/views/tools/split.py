@@ -45,7 +45,9 @@ class SplitTool(Tool):
         """Object with one half clicked."""
         self._first: Place = (0.0, 0.0)
         self._preview = QTimer(self._list, singleShot=True, interval=_PREVIEW_DELAY)
-        self._preview.timeout.connect(self._show_preview)
+        self._preview.timeout.connect(self._preview_cut)
+        self._cut: Sequence[Place] | Array = ()
+        """Cut that a click here would make."""
 
     @property
     def has_draft(self) -> bool:
@@ -72,23 +74,16 @@ class SplitTool(Tool):
         by_clicks = tr("Click one half of an object, then the other: it is split at the neck between them.")
         return self.tip if self.volume is None else by_clicks
 
-    def on_drag(self, at: Place) -> None:
-        """Draw a line."""
-        if self._draws_line:
-            self._show_preview()
-
-    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
+    def on_release(self) -> None:
         """Split along the line, or use the click."""
-        if is_dragged and self.volume is None:
-            self._split_along(stroke)
+        if self._draws_line:
+            self._split_along(self.stroke)
         else:
-            self._on_click(stroke[0])
-        self._show_preview()
+            self._on_click(self.stroke[0])
 
     def on_hover(self, at: Place) -> None:
         """Schedule the preview of a split here, for when the pointer rests."""
         self._preview.start()
-        self._on_advice_changed()
 
     def remove_last_part(self) -> None:
         """Forget the first half."""
@@ -96,14 +91,13 @@ class SplitTool(Tool):
 
     def cancel(self) -> None:
         """Forget the first half, or the line."""
+        self._clicked_object, self._cut = None, ()
         super().cancel()
-        self._clicked_object = None
-        self._show_preview()
 
     def hide_marks(self) -> None:
         """Hide the preview."""
+        self._cut = ()
         super().hide_marks()
-        self._show_preview()
 
     def cursor_at(self, at: Place) -> Cursor | QCursor:
         """Return a knife, and prepare the edges."""
@@ -131,7 +125,7 @@ class SplitTool(Tool):
 
     def _apply_split(self, whole: SegmentedObject, halves: Callable[[], Halves], at: Place = ()) -> None:
         """Replace an object by its halves, or report why that fails; in a volume, split it at a place."""
-        self._clicked_object = None
+        self._clicked_object, self._cut = None, ()
         if whole.frozen:
             self.show_message(tr("{name} is frozen: unfreeze it to split it.", name=self._list.title_of(whole)))
             return
@@ -150,13 +144,16 @@ class SplitTool(Tool):
         rows = (*self._list.selected_rows, *(row for row in self._list.rows if row.key == key))
         return next((row.item for row in rows if not row.item.hidden and object_contains(row.item, at)), None)
 
-    def _show_preview(self) -> None:
+    def draw_marks(self) -> None:
         """Draw the line, or the clicked half and the cut that a click here would make."""
-        path: Sequence[Place] | Array = self.stroke if self._draws_line else ()
-        whole, at = self._clicked_object, self.pointer
-        if not (self._draws_line or self.volume or whole is None or at is None) and object_contains(whole, at):
+        marked = [self._first] if self._clicked_object is not None else ()
+        self._drawing.show_draft(marked, self.stroke if self._draws_line else self._cut, theme.BARRIER_COLOR)
+
+    def _preview_cut(self) -> None:
+        """Find the cut that a click at the pointer would make."""
+        whole, at, self._cut = self._clicked_object, self.pointer, ()
+        if not (self.volume or whole is None or at is None) and object_contains(whole, at):
             with suppress(ValueError):
                 cuts = split_object(whole, self._first, at, self._editing.edges).cuts
-                path = max(cuts, key=len, default=())
-        self._drawing.show_draft([self._first] if whole is not None else (), path, theme.BARRIER_COLOR)
-        self._on_advice_changed()
+                self._cut = max(cuts, key=len, default=())
+        self.update_marks()

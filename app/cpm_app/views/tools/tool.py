@@ -131,6 +131,7 @@ class Tool:
         """Press the left button."""
         self.pointer, self.stroke, self.is_dragged, self.used = at, [at], False, True
         self.on_press(at)
+        self.update_marks()
 
     def drag(self, at: Place) -> None:
         """Move with the button down, unless the gesture was canceled."""
@@ -140,17 +141,19 @@ class Tool:
             if math.dist(self.stroke[-1], at) >= max(self.stroke_spacing, _MIN_STROKE_MOVE * self.reach):
                 self.stroke.append(at)
             self.on_drag(at)
+            self.update_marks()
 
     def release(self) -> None:
         """Release the button."""
-        stroke, is_dragged, self.stroke, self.is_dragged = self.stroke, self.is_dragged, [], False
-        if stroke:
-            self.on_release(stroke, is_dragged)
+        if self.stroke:
+            self.on_release()
+        self._end_stroke()
 
     def hover(self, at: Place) -> None:
         """Move with the button up."""
         self.pointer = at
         self.on_hover(at)
+        self.update_marks()
 
     @property
     def has_new_place(self) -> bool:
@@ -163,11 +166,19 @@ class Tool:
     def on_drag(self, at: Place) -> None:
         """Handle a move with the button down."""
 
-    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
-        """Handle the release of the button after a stroke."""
+    def on_release(self) -> None:
+        """Handle the release of the button at the end of a stroke."""
 
     def on_hover(self, at: Place) -> None:
         """Handle a move with the button up."""
+
+    def update_marks(self) -> None:
+        """Draw the marks again, and give the advice that belongs to them."""
+        self.draw_marks()
+        self._on_advice_changed()
+
+    def draw_marks(self) -> None:
+        """Draw the draft, the ring or the preview of the tool, or hide them; called after each event."""
 
     def resize_by(self, by: float) -> None:
         """Enlarge the tool; negative values of `by` make it smaller."""
@@ -180,7 +191,7 @@ class Tool:
 
     def cancel(self) -> None:
         """Undo the gesture."""
-        self.stroke, self.is_dragged = [], False
+        self._end_stroke()
 
     def set_in_use(self, in_use: bool) -> None:
         """Prepare for use, or end it."""
@@ -188,6 +199,11 @@ class Tool:
     def hide_marks(self) -> None:
         """Hide the marks of the tool when the pointer has left or another tool is used."""
         self.pointer = None
+        self.update_marks()
+
+    def _end_stroke(self) -> None:
+        self.stroke, self.is_dragged = [], False
+        self.update_marks()
 
     def show_message(self, text: str) -> None:
         """Tell the user why nothing was done."""
@@ -213,7 +229,7 @@ class ShapeTool(Tool):
         self._before: Shape | None = None
         self._gesture = ""
 
-    def on_release(self, stroke: list[Place], is_dragged: bool) -> None:
+    def on_release(self) -> None:
         """Keep the shape as it is."""
         self._end_gesture()
 
