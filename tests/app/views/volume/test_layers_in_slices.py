@@ -42,4 +42,4 @@ def test_a_kept_result_is_shown_beyond_the_divider_in_slices(run, hand) -> None:
     compared.select_row(max(compared.rows))
     far = canvas.sections.from_scene(compared.scene_beyond_divider())
     assert len(far.contours) == 1
-    assert far.document.shapes[0].line.radii != canvas.drawn_scene.document.shapes[0].line.radii
+    assert far.document.shapes[0].shape != canvas.drawn_scene.document.shapes[0].shape
