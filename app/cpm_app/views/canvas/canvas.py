@@ -183,9 +183,6 @@ class ToolView(ImageView):
 class Canvas(ToolView):
     """Shows the image, or the current slice; the middle and the right button pan, the wheel zooms."""
 
-    pointer_moved = Signal(object)
-    """Position (row, col) under the pointer, or None when it has left."""
-
     pointer_place_changed = Signal(object)
     """Place under the pointer in the image or volume, in any view, or None when it has left."""
 
@@ -248,7 +245,6 @@ class Canvas(ToolView):
             self._emit_pointer_place(self._pointer)
 
     def _emit_pointer_place(self, at: Position | None) -> None:
-        self.pointer_moved.emit(at)
         self.pointer_place_changed.emit(None if at is None else self.place_at(at))
 
     # Called by Qt

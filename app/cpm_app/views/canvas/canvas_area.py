@@ -9,7 +9,6 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from cpm_app.model.display.display_image import DisplayImage, measure_area_share
 from cpm_app.model.document import edits
-from cpm_app.model.document.document import Document
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.exchange.messages import OverlayData
@@ -96,7 +95,6 @@ class CanvasArea(QWidget):
         self._select_tool = SelectTool(*tool_arguments)
         self.canvas.dispatcher = ToolDispatcher(self._tools[FIRST_TOOL], self._select_tool)
         self._is_typing = self._has_offers = False
-        self._mode = session.document.mode
         self._was_running = self._tells_outcome = False
         self._area: OverlayData | None = None
         self.canvas.installEventFilter(self)
@@ -110,7 +108,6 @@ class CanvasArea(QWidget):
             layer.changed.connect(self.strip.legend.schedule_update)
         session.store.status_changed.connect(self.update_hint)
         self.flow.changed.connect(self._draw_scene)
-        session.document_changed.connect(self._on_document_changed)
         self._selection.changed.connect(self._on_proposals_changed)
         workspace.navigation.changed.connect(self._on_step_changed)
         workspace.object_list.selection_changed.connect(self.update_hint)
@@ -250,12 +247,6 @@ class CanvasArea(QWidget):
     def _can_accept(self) -> bool:
         """Whether Enter accepts something."""
         return self._workspace.object_commands.can_accept or self._selection.selecting
-
-    def _on_document_changed(self, document: Document) -> None:
-        """Hide the cross-hair when another mode is chosen."""
-        if document.mode != self._mode:
-            self._mode = document.mode
-            self.crosshair.hide_crosshair()
 
     def _on_proposals_changed(self) -> None:
         """Hide the cross-hair once a run offers objects, so that Enter accepts them, unless it is drawing."""

@@ -79,6 +79,7 @@ class ModesFeature(Feature):
 
         def select_mode() -> None:
             session.set_mode(mode)
+            self.window.canvas_area.crosshair.hide_crosshair()
             # The action must show the state of the document even if it has not changed.
             self.window.refresh_actions()
 

@@ -48,7 +48,7 @@ class ObjectsFeature(Feature):
         area.canvas.double_clicked.connect(self._on_double_clicked)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.dispatcher.tool.name == "mend"))
-        area.canvas.pointer_moved.connect(lambda at: objects.set_hovered_item(None) if at is None else None)
+        area.canvas.pointer_place_changed.connect(lambda at: objects.set_hovered_item(None) if at is None else None)
         for changed in (objects.selection_changed, brush.changed):
             changed.connect(lambda *_: window.refresh_actions())
         selection.changed.connect(window.refresh_actions)

@@ -40,7 +40,7 @@ class LayersFeature(Feature):
         layers, legend = canvas.layers, area.strip.legend.button
         panel = LayersPanel(layers)
         self.panels = (Panel("layers", "Layers", panel, "F8"),)
-        canvas.pointer_moved.connect(layers.forces.set_pointer)
+        canvas.pointer_place_changed.connect(layers.forces.set_pointer)
         for layer in layers:
             layer.use_view_state(window.preferences.read_json(_LAYER_SETTINGS_KEY.format(layer=layer.name)))
             layer.changed.connect(window.refresh_actions)

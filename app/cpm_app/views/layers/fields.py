@@ -172,17 +172,11 @@ class FieldLayer(Layer):
 
     def create_items(self) -> None:
         """Create the items of the layer."""
-        self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD_COLOR, 1.0), antialias=True, connect="pairs")
-        self._item.setZValue(2)
-        enable_caching(self._item)
-        self.add_items(self._item)
+        self.arrows = pg.PlotCurveItem(pen=line_pen(theme.FIELD_COLOR, 1.0), antialias=True, connect="pairs")
+        self.arrows.setZValue(2)
+        enable_caching(self.arrows)
+        self.add_items(self.arrows)
         self.view.sigRangeChanged.connect(self._draw_arrows)
-
-    @property
-    def arrow_points(self) -> Array:
-        """Ends of the lines drawn (row, col), shape (N, 2)."""
-        x, y = self._item.getData()
-        return np.empty((0, 2)) if x is None else np.stack([y, x], axis=1)
 
     def apply_visibility(self) -> None:
         """Request the field only while it is shown."""
@@ -196,10 +190,10 @@ class FieldLayer(Layer):
 
     def _draw_arrows(self, *_: object) -> None:
         field = self.scene.overlays.get("field") if self.shown else None
-        self._item.setVisible(field is not None)
+        self.arrows.setVisible(field is not None)
         if field is not None:
             pixel = float(self.view.viewPixelSize()[0])
-            self._item.setData(
+            self.arrows.setData(
                 *to_xy(build_arrow_lines(*find_arrow_ends(np.asarray(field), self.view.viewRect(), pixel)))
             )
 
