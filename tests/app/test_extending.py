@@ -135,7 +135,6 @@ class DiameterTool(DraggedTool):
     shortcut = "N"
     tip = "Drag along a diameter."
     activity = "draw a circle by its diameter"
-    slip_message = "Drag along a diameter."
 
     def build_shape(self, begin, at) -> Circle:
         row, col = ((a + b) / 2 for a, b in zip(begin, at, strict=True))

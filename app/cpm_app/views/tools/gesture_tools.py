@@ -34,11 +34,6 @@ def box_between(one: Position, other: Position, here: Slice, volume: ImageRefere
 class DraggedTool(ShapeTool):
     """Draws a shape between the place of the press and the pointer."""
 
-    slip_message: str
-    """Message when the pointer has not moved."""
-    slip_message_in_volume: str
-    """Message in a volume when the pointer has not moved."""
-
     def build_shape(self, begin: Position, at: Position) -> Shape:
         """Build the shape between two places."""
         raise NotImplementedError
@@ -56,7 +51,7 @@ class DraggedTool(ShapeTool):
     def on_release(self) -> None:
         """Keep the shape."""
         if self._drawn_shape is None:
-            self.show_message(self.slip_message if self.volume is None else self.slip_message_in_volume)
+            self.show_message(tr("Keep the button down. {advice}", advice=self.usage))
         super().on_release()
 
 
@@ -67,8 +62,6 @@ class CircleTool(DraggedTool):
     menu_text = tr("&Circle")
     shortcut = "C"
     tip = tr("Drag from the center to draw a circle.")
-    slip_message = tr("Keep the button down and drag to draw a circle from its center.")
-    slip_message_in_volume = tr("Keep the button down and drag to draw a sphere from its center.")
     keyboard_tip = tr("Enter begins at the center, arrow keys move the rim, Enter ends.")
 
     def build_shape(self, begin: Position, at: Position) -> Circle | Sphere:
@@ -88,8 +81,6 @@ class EllipseTool(DraggedTool):
     menu_text = tr("E&llipse")
     shortcut = "L"
     tip = tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its center.")
-    slip_message = tr("Keep the button down and drag to draw an ellipse.")
-    slip_message_in_volume = tr("Keep the button down and drag from corner to corner to draw a box.")
     guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its center.")
     keyboard_tip = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")
 

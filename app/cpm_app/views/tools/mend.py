@@ -92,7 +92,7 @@ class MendTool(RingTool):
         elif held is not None:
             words = _CONTOUR_ADVICE
         elif self.pointer is None:
-            words = self.tip
+            words = self.usage
         elif self._obstacle:
             return self._obstacle
         elif away:

@@ -63,7 +63,7 @@ class OutlineTool(Tool):
     def advice(self) -> str:
         """Sentence on what to do next."""
         if not self._anchors:
-            return "" if self.used else self.tip
+            return "" if self.used else self.usage
         return tr(
             "Click the first anchor to close the line, Enter or a double click ends it; Shift draws a "
             "straight line, dragging draws freehand; Backspace removes the last anchor."
@@ -105,7 +105,7 @@ class OutlineTool(Tool):
             return
         path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
         if closed and polyline.enclosed_area(path) < MIN_DRAWN_AREA:
-            self.show_message(tr("That is too small for an outline. {advice}", advice=self.tip))
+            self.show_message(tr("That is too small for an outline. {advice}", advice=self.usage))
         elif not closed and begin is not None and end is not None and begin.is_on_same_curve(end):
             self._editing.redraw_curve(begin, replace_stretch(begin.place, end.place, path))
         else:

@@ -76,7 +76,7 @@ class PathTool(Tool):
     def advice(self) -> str:
         """Sentence on what to do next."""
         if not self._corners:
-            return "" if self.used else self.tip
+            return "" if self.used else self.usage
         if self.is_dragged and self._is_first:
             return insert_keys(tr("Release to finish; {key:escape} cancels."))
         ends = tr("Enter or a double click ends it;")
@@ -131,7 +131,7 @@ class PathTool(Tool):
         self.cancel()
         if shape is None:
             title = translate_core_text(self.shape_class.title)
-            self.show_message(tr("That is too small for a {shape}. {advice}", shape=title, advice=self.tip))
+            self.show_message(tr("That is too small for a {shape}. {advice}", shape=title, advice=self.usage))
             return
         draw_shape(self._session, shape)
 

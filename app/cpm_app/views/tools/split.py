@@ -62,17 +62,11 @@ class SplitTool(Tool):
         if self._clicked_object is not None:
             name = self._list.title_of(self._clicked_object)
             return insert_keys(tr("Click the other half of {name}; {key:escape} cancels."), name=name)
-        return self._usage
+        return self.usage
 
     @property
     def _draws_line(self) -> bool:
         return self.is_dragged and self.volume is None
-
-    @property
-    def _usage(self) -> str:
-        """Sentence on how to split here; in a volume only clicks do."""
-        by_clicks = tr("Click one half of an object, then the other: it is split at the neck between them.")
-        return self.tip if self.volume is None else by_clicks
 
     def on_release(self) -> None:
         """Split along the line, or use the click."""
@@ -112,7 +106,7 @@ class SplitTool(Tool):
         elif whole is not None:
             self._clicked_object, self._first = whole, at
         else:
-            self.show_message(tr("There is no object here. {advice}", advice=self._usage))
+            self.show_message(tr("There is no object here. {advice}", advice=self.usage))
 
     def _split_along(self, path: list[Place]) -> None:
         places = polyline.path_midpoints(np.array(path), _SAMPLED_PLACES).tolist()

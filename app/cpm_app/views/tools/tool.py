@@ -11,6 +11,7 @@ from PySide6.QtGui import QCursor
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import ImageReference
+from cpm_app.model.state.situation import TEXTS_IN_VOLUMES
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.slices import Slice
 from cpm_app.session.features.workspace import Workspace
@@ -121,6 +122,11 @@ class Tool:
     def has_draft(self) -> bool:
         """Whether the tool has an unfinished draft while the button is up."""
         return False
+
+    @property
+    def usage(self) -> str:
+        """Sentence on what the tool does, which in a volume may be another one."""
+        return self.tip if self.volume is None else TEXTS_IN_VOLUMES.get(self.name, ("", self.tip))[1]
 
     @property
     def advice(self) -> str:
