@@ -11,7 +11,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.item import Markers
-from cpm_app.views.layers.layer import Layer, LegendEntry, Sign, SwitchOption
+from cpm_app.views.layers.layer import Layer, LegendEntry, Option, Sign
 from cpm_app.views.theme import theme
 from cpm_core import Truth
 
@@ -39,7 +39,7 @@ class ContourLayer(Layer):
     tip = tr("Closed and open contours of the run.")
     shortcut = "Alt+4"
     colors = (theme.CONTOUR_COLOR,)
-    options = (SwitchOption("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),)
+    options = (Option("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),)
 
     def create_items(self) -> None:
         """Create the items of the layer."""

@@ -16,7 +16,7 @@ from cpm_app.session.scene import Scene
 from cpm_app.session.worker.prepared_methods import AREA_OVERLAY
 from cpm_app.views.items.item import enable_caching, line_pen, to_xy
 from cpm_app.views.items.tiled_image import TiledImage
-from cpm_app.views.layers.layer import ChoiceOption, Layer, LegendEntry
+from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels
@@ -31,8 +31,8 @@ _POTENTIAL_OPACITY = 0.75
 """Opacity of the potential over the image when the layer is fully opaque."""
 
 
-def _create_map_option(names: Sequence[str], tip: str) -> ChoiceOption:
-    return ChoiceOption("map", tr("Colors"), {name: color_maps.COLOR_MAPS[name] for name in names}, names[0], tip)
+def _create_map_option(names: Sequence[str], tip: str) -> Option:
+    return Option("map", tr("Colors"), names[0], tip, {name: color_maps.COLOR_MAPS[name] for name in names})
 
 
 class ScalarOverlay(Layer):

@@ -12,7 +12,7 @@ from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import ForcesProbed, probe_forces
 from cpm_app.views.items.item import FAINT_TEXT_COLOR, Markers, PinnedText, line_pen, to_position, to_xy
 from cpm_app.views.layers.fields import build_arrow_lines
-from cpm_app.views.layers.layer import AmountOption, Layer
+from cpm_app.views.layers.layer import Layer, Option
 from cpm_app.views.theme import theme
 from cpm_core.numerics import Place
 
@@ -55,7 +55,13 @@ class ForceLayer(Layer):
     initially_shown = False
     colors = (theme.COULOMB_COLOR, theme.LORENTZ_COLOR, theme.DAMPING_COLOR)
     options = (
-        AmountOption("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),
+        Option(
+            "length",
+            tr("Length"),
+            80.0,
+            tr("Length of the longest arrow, in px of the screen."),
+            bounds=(20.0, 200.0, 5.0),
+        ),
     )
 
     def create_items(self) -> None:

@@ -15,7 +15,7 @@ from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.discs import NO_POSITIONS, Discs
 from cpm_app.views.items.item import PinnedText
-from cpm_app.views.layers.layer import ChoiceOption, Layer, LegendEntry
+from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
@@ -87,30 +87,30 @@ class ParticleLayer(Layer):
     }
     """Names and titles of the quantities that the color can show."""
     options = (
-        ChoiceOption(
+        Option(
             "colour",
             tr("Color by"),
-            color_choices,
             _BY_STATE,
             " ".join(quantity.tip for quantity in QUANTITIES.values()),
+            color_choices,
         ),
-        ChoiceOption(
+        Option(
             "map",
             tr("Colors"),
-            {name: color_maps.COLOR_MAPS[name] for name in _QUANTITY_MAPS},
             "viridis",
             tr("Colors from low to high."),
+            {name: color_maps.COLOR_MAPS[name] for name in _QUANTITY_MAPS},
         ),
-        ChoiceOption(
+        Option(
             "done",
             tr("After a run"),
+            _SMALL_AFTER_RUN,
+            tr("How particles are shown when a run has ended."),
             {
                 _SMALL_AFTER_RUN: tr("Small and pale"),
                 _SAME_AFTER_RUN: tr("As during the run"),
                 _HIDDEN_AFTER_RUN: tr("Hidden"),
             },
-            _SMALL_AFTER_RUN,
-            tr("How particles are shown when a run has ended."),
         ),
     )
 
