@@ -15,7 +15,6 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Concatenate, ParamSpec
 
-from cpm_app.model.display import stamps
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.export import ExportKind, ExportOrder, describe_export, prepare_export, simplify_result
 from cpm_app.model.text.language import tr
@@ -213,7 +212,6 @@ def compile_kernels(volumes: bool = False) -> WorkerCommand:
                 context.report(CompilationProgress(percent))
 
         (context.core.warm_up_volumes if volumes else context.core.warm_up)(context.closing, report_progress)
-        stamps.compile_stamping()
         _freeze_loaded_objects(volumes)
         context.report(WarmedUp())
 

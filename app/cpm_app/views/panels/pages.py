@@ -26,7 +26,7 @@ from cpm_app.views.panels.run import Chart
 from cpm_app.views.panels.tables import CellIndex, Column, SortableTable, TableModel
 from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
-from cpm_app.views.widgets.fields import PLACE_JUMP, PlaceBar
+from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers
 
@@ -165,7 +165,7 @@ class PageBar(PlaceBar):
     """Slider and number of the page, and buttons that follow objects and run all pages."""
 
     def __init__(self) -> None:
-        super().__init__(tr("Page"), tr("Number of the page"), PLACE_JUMP)
+        super().__init__(tr("Page"), tr("Number of the page"))
         self.slider.setTracking(False)
         self.follow, self.run = ActionButton("follow_pages"), ActionButton("run_pages")
         fields = (QLabel(tr("Page")), self.slider, self.number, self.total_label, self.follow, self.run)
