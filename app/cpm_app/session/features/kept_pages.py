@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 from cpm_app.model.display.page_rows import PageRow, collect_page_rows
 from cpm_app.model.document.document import Document, ImageReference
@@ -25,7 +25,7 @@ from cpm_core.formats import Pages, Reading, decode_session, encode_session, pag
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.pages import ContourFollower, StackResult, describe_error, limit_scales, pages_from_results, strip_image
+from cpm_core.pages import PageFollower, StackResult, describe_error, limit_scales, strip_image
 from cpm_core.shapes import SeedCache, Start, check_axes
 
 
@@ -143,19 +143,20 @@ StackTable = tuple[StackResult | None, tuple[PageRow, ...]]
 EMPTY_TABLE: StackTable = (None, ())
 """The table while there are no results."""
 
-ListedKind = Literal["objects", "contours"]
-"""Kind of results that is shown of all pages."""
-
 MeasuredObjects = Mapping[int, tuple[SegmentedObjects, Result | None]]
 """The objects of each page, and a result with their mean gray values; None where there are no objects."""
 
 
 class LinkedPages(NamedTuple):
-    """The results of all pages of a stack, with tracks."""
+    """What was found on all pages of a stack, with tracks.
+
+    `found` are the contours of runs, as files hold them; `table` has the objects of a page in their place.
+    """
 
     source: StackSource
+    found: Mapping[int, Page]
     measured: MeasuredObjects
-    tables: Mapping[ListedKind, StackTable]
+    table: StackTable
 
 
 def link_pages(
@@ -165,10 +166,7 @@ def link_pages(
     documents: Mapping[int, Document],
     measured: MeasuredObjects,
 ) -> LinkedPages:
-    """Link the contours of all pages to tracks, page by page, and measure objects that are not `measured`."""
-    follower = ContourFollower()
-    pages = [found[number] for number in sorted(found)]
-    pages = [follower.add_page(page.number, page.result) if page.result else page for page in pages]
+    """Link what was found on all pages to tracks, page by page, and measure objects that are not `measured`."""
     known = dict[int, tuple[SegmentedObjects, Result | None]]()
     for number, document in documents.items():
         before, result = measured.get(number, (None, None))
@@ -177,15 +175,18 @@ def link_pages(
             result = build_objects_result(document)
             result = result and strip_image(replace(result, image=source.pages[number - 1]))
         known[number] = document.objects, result
-    objects = pages_from_results({number: result for number, (_, result) in known.items() if result is not None})
-    tables: dict[ListedKind, StackTable] = {}
-    of_kinds: tuple[tuple[ListedKind, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
-    for kind, made in of_kinds:
-        name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.has_single_axis
-        if made:
-            whole = StackResult(name, source.count, tuple(made), axis, alone, drawn)
-            tables[kind] = whole, collect_page_rows(whole)
-    return LinkedPages(source, known, tables)
+    objects = {number: result for number, (_, result) in known.items() if result is not None}
+    runs = {number: page.result and strip_image(page.result) for number, page in found.items()}
+    found = {number: replace(page, result=runs[number]) for number, page in found.items()}
+    follower, pages = PageFollower(), list[Page]()
+    for number in sorted({*found, *objects}):
+        result = objects.get(number) or runs[number]
+        pages.append(found[number] if result is None else follower.add_page(number, result))
+    if not pages:
+        return LinkedPages(source, found, known, EMPTY_TABLE)
+    name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.has_single_axis
+    whole = StackResult(name, source.count, tuple(pages), axis, alone, drawn)
+    return LinkedPages(source, found, known, (whole, collect_page_rows(whole)))
 
 
 _MAX_PAGE_RUNS_CHARACTERS = 24 * 2**20
@@ -197,13 +198,13 @@ def pages_to_json(
     following: bool,
     drawn: tuple[JsonObject, ...],
     given: bool,
-    result: StackResult | None,
+    found: Mapping[int, Page],
 ) -> JsonDict:
     """Encode the pages of a stack for a session file, to be read by `StoredPages`; runs are left out beyond a size.
 
     `others` are the pages that are not open, `given` is whether the open page was given its starts.
     """
-    if not others and result is None:
+    if not (others or found):
         return {}
     left, sessions = _MAX_PAGE_RUNS_CHARACTERS, []
     for number, page in sorted(others.items()):
@@ -218,7 +219,7 @@ def pages_to_json(
         "drawn": list(drawn),
         "given": given,
         "sessions": sessions,
-        "found": [] if result is None else [page_to_json(page) for page in result.pages],
+        "found": [page_to_json(page) for page in found.values()],
     }
 
 
@@ -305,16 +306,6 @@ def _check_page_number(given: object, source: StackSource) -> int:
     return given
 
 
-@record
-class PageDone:
-    """A page that has been run: its document with the given starts, its run and its results."""
-
-    page: Page
-    document: Document
-    given_starts: tuple[Start, ...] = ()
-    runs: JsonObject = field(default_factory=dict)
-
-
 def run_recorded(image: Image, document: Document, task: BackgroundTask) -> tuple[Result, JsonObject]:
     """Run a document on its image in the background; return the result, and the run for a session.
 
@@ -337,15 +328,15 @@ def run_pages(
     document_of: Callable[[int, tuple[Start, ...]], tuple[Document, tuple[Start, ...]]],
     before: Sequence[Page],
     task: BackgroundTask,
-) -> Iterator[PageDone]:
-    """Run pages, each as soon as the previous one is done; raise `Cancelled` if the task has been cancelled.
+) -> Iterator[tuple[Page, KeptPage]]:
+    """Run pages, and yield what was found on each; raise `Cancelled` if the task has been cancelled.
 
     `document_of` takes the number of a page and the starts along the contours of the previous page; it returns the
     document to run the page with, and the starts that were given. `before` are the pages before the first one.
     """
-    follower = ContourFollower(before)
-    for done, number in enumerate(numbers):
-        task.advance(done / len(numbers))
+    follower = PageFollower(before)
+    for place, number in enumerate(numbers):
+        task.advance(place / len(numbers))
         document, given = document_of(number, follower.next_starts)
         try:
             image = source.pages[number - 1]
@@ -359,6 +350,7 @@ def run_pages(
             trouble = (
                 describe_error(error) if known else explain_failure(error, tr("running page {number}", number=number))
             )
-            yield PageDone(Page(number, None, error=trouble), document, given)
+            yield Page(number, None, error=trouble), KeptPage(document, given_starts=given)
             continue
-        yield PageDone(follower.add_page(number, result), document, given, runs)
+        done = KeptPage(document, runs, given_starts=given, runs_unsaved=True)
+        yield follower.add_page(number, result), done

@@ -22,9 +22,7 @@ from cpm_app.session.features.kept_pages import (
     KeptPage,
     LazyJsonPages,
     LinkedPages,
-    ListedKind,
     MeasuredObjects,
-    PageDone,
     StackSource,
     StackTable,
     StoredPages,
@@ -84,10 +82,10 @@ class StackPages(QObject):
         self._kept: dict[int, KeptPage] = {}
         self._found_pages: dict[int, Page] = {}
         self._given_starts: tuple[Start, ...] = ()
-        self.listed: ListedKind = "objects"
-        """Kind of results that is shown and exported, if there are both."""
-        self.tables: Mapping[ListedKind, StackTable] = {}
-        """The results of all finished pages, with tracks, and their rows; nothing is filtered."""
+        self.table: StackTable = EMPTY_TABLE
+        """What was found on all pages, with tracks, and the rows: the objects of a page, or else its contours."""
+        self._linked: Mapping[int, Page] = {}
+        """The contours of all finished pages, as files hold them."""
         self._measured: MeasuredObjects = {}
         self.task: BackgroundTask | None = None
         self._last_result: Result | None = None
@@ -129,18 +127,8 @@ class StackPages(QObject):
         return self.task is not None
 
     @property
-    def table(self) -> StackTable:
-        """The shown results of all pages: the objects, or the contours with their tracks; None while there are none."""
-        return self.tables.get(self.listed) or next(iter(self.tables.values()), EMPTY_TABLE)
-
-    def show_kind(self, listed: ListedKind) -> None:
-        """Show the objects of all pages, or the contours."""
-        self.listed = listed
-        self.results_changed.emit()
-
-    @property
     def result(self) -> StackResult | None:
-        """The shown results of all pages, which are exported; None while there are none."""
+        """What was found on all pages, which is exported; None while there is nothing."""
         return self.table[0]
 
     # Documents
@@ -295,8 +283,7 @@ class StackPages(QObject):
             return
         kept, following = {**self._kept, self.number: self._describe_open_page()}, self.following
         self._drawn = describe_shapes(document.shapes)
-        followed, _ = self.tables.get("contours", EMPTY_TABLE)
-        before = () if followed is None else tuple(page for page in followed.pages if page.number < first)
+        before = tuple(page for number, page in sorted(self._linked.items()) if number < first)
         source, numbers = self.source, range(first, self.count + 1)
 
         def document_of(number: int, starts: tuple[Start, ...]) -> tuple[Document, tuple[Start, ...]]:
@@ -309,9 +296,9 @@ class StackPages(QObject):
             return with_starts(own, given), given
 
         def run_and_report(task: BackgroundTask) -> None:
-            for done in run_pages(source, numbers, document_of, before, task):
+            for page, done in run_pages(source, numbers, document_of, before, task):
                 self._session.tasks.call_in_window(
-                    partial(self._on_page_done, source.path, kept.get(done.page.number), done)
+                    partial(self._on_page_done, source.path, kept.get(page.number), page, done)
                 )
 
         title = tr("Running {count} pages…", count=len(numbers))
@@ -324,26 +311,25 @@ class StackPages(QObject):
             self.task.cancel()
             self._on_tasks_changed()
 
-    def _on_page_done(self, path: str, known: KeptPage | None, done: PageDone) -> None:
+    def _on_page_done(self, path: str, known: KeptPage | None, page: Page, done: KeptPage) -> None:
         """Keep a page that has been run, unless the user has changed it since; the open one is opened again."""
-        number, here = done.page.number, done.page.number == self.number
+        number, here = page.number, page.number == self.number
         if path != self.source.path:
             return
         before = self._describe_open_page() if here else self._kept.get(number)
         if before is not None and (known is None or before.document != known.document) and before.has_own_start:
             return
-        self._found_pages[number] = done.page
+        self._found_pages[number] = page
         self._link_soon()
         if not done.runs:
             return
-        before, document = before or KeptPage(done.document), done.document
-        if before.document != document:  # so that undo restores the previous document
-            before.history.push(Change(tr("run all pages"), before.document, document))
-        self._kept[number] = page = replace(
-            before, document=document, runs=done.runs, given_starts=done.given_starts, runs_unsaved=True
-        )
+        if before is not None:
+            done = replace(done, history=before.history, saved_document=before.saved_document)
+            if before.document != done.document:  # so that undo restores the previous document
+                before.history.push(Change(tr("run all pages"), before.document, done.document))
+        self._kept[number] = done
         if here and not self._turning and self._session.status.phase != "running":
-            self._begin_page(number, page)
+            self._begin_page(number, done)
 
     def _on_tasks_changed(self) -> None:
         if self.task is not None and self.task.is_over:
@@ -372,10 +358,8 @@ class StackPages(QObject):
     def _on_pages_linked(self, made: LinkedPages) -> None:
         if made.source.path != self.source.path or not self.count:
             return
-        self._measured, self.tables = made.measured, made.tables
-        followed, _ = made.tables.get("contours", EMPTY_TABLE)
-        if followed is not None:
-            self._found_pages |= {page.number: page for page in followed.pages if page.number != self.number}
+        self._measured, self._linked, self.table = made.measured, made.found, made.table
+        self._found_pages |= {number: page for number, page in made.found.items() if number != self.number}
         self.results_changed.emit()
 
     # Files
@@ -406,8 +390,7 @@ class StackPages(QObject):
             return {}
         others = {number: page for number, page in self._kept.items() if number != self.number}
         given = not self.is_drawn(self._session.document)
-        followed, _ = self.tables.get("contours", EMPTY_TABLE)
-        return LazyJsonPages(partial(pages_to_json, others, self.following, self._drawn, given, followed))
+        return LazyJsonPages(partial(pages_to_json, others, self.following, self._drawn, given, self._linked))
 
     def _begin_stack(self, opened: ImageOpened) -> None:
         """Begin the pages of another file, perhaps from a session that contains them."""
@@ -416,7 +399,7 @@ class StackPages(QObject):
         source = self.source = StackSource.from_file(str(opened.path), parts, opened.reading)
         self.number = self.wanted_page = source.page_number(opened.reading)
         self._kept, self._found_pages, self._given_starts = {}, {}, ()
-        self.tables, self._measured, self._last_result, self._drawn = {}, {}, None, ()
+        self.table, self._linked, self._measured, self._last_result, self._drawn = EMPTY_TABLE, {}, {}, None, ()
         if opened.saved is not None and opened.saved.file.pages and self.count:
             stored = StoredPages.from_json(opened.saved.file.pages, self._session.document, source)
             self._kept, self.following, self._drawn = stored.kept, stored.following, stored.drawn
