@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -40,7 +39,6 @@ from cpm_app.session.tasks.opening import OpenRequest
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
-from cpm_core.contours import compute_centroid
 from cpm_core.formats import ImageFile, describe_shapes, export_stack
 from cpm_core.numerics.types import JsonObject
 from cpm_core.pages import StackResult
@@ -51,12 +49,6 @@ _LINK_DELAY = 200
 
 _LINK_DELAY_WHILE_RUNNING = 1500
 """Time from a change until the pages are linked again while pages are run in the background [ms]."""
-
-_SAME_CENTER_DISTANCE = 1.0
-"""Distance up to which the center of a contour counts as unchanged [px]."""
-
-_SAME_LENGTH_TOLERANCE = 0.02
-"""Relative difference up to which the length of a contour counts as unchanged."""
 
 
 class StackPages(QObject):
@@ -189,25 +181,16 @@ class StackPages(QObject):
     def _select_wanted(self) -> None:
         """Select the wanted row; drop it if another page has been requested meanwhile."""
         row = self._wanted_row
-        if row is None or row.measures is None:
+        if row is None:
             return
         if self.wanted_page != row.page:
             self._wanted_row = None
         elif self.number == row.page and row.is_object:
             self._wanted_row = None
             self._contour_selection.select(objects=(row.track,))
-        elif self.number == row.page:
-            length, place = row.measures.length, (row.row, row.col)
-            contours = self._session.scene.contours
-            away = [math.dist(compute_centroid(contour), place) for contour in contours]
-            near = min(range(len(away)), key=away.__getitem__, default=None)
-            if (
-                near is not None
-                and away[near] <= _SAME_CENTER_DISTANCE
-                and abs(contours[near].length - length) <= _SAME_LENGTH_TOLERANCE * length
-            ):
-                self._wanted_row = None
-                self._contour_selection.select((near,))
+        elif self.number == row.page and row.index < len(self._session.scene.contours):
+            self._wanted_row = None
+            self._contour_selection.select((row.index,))
 
     def _open_wanted_page(self) -> None:
         """Keep the state of the open page, and open the requested one."""

@@ -78,6 +78,10 @@ class TimelineState:
     run_generation: int = 0
 
 
+EMPTY_TIMELINE = TimelineState()
+"""The timeline before there is a run."""
+
+
 @dataclass(eq=False)
 class _Branch:
     """A branch with the last node of each step, from the first step of its run; branches share their common beginning.
