@@ -17,7 +17,7 @@ from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene_store import SceneStore
-from cpm_app.session.timeline.stored_runs import starts_from_sources
+from cpm_app.session.timeline.branches import starts_from_sources
 from cpm_app.session.timeline.timeline_nodes import EraseAction
 from cpm_app.session.undo_history import Erasure
 from cpm_app.session.worker.commands import WorkerCommand, call_run, find_seeds

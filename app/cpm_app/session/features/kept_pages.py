@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from cpm_app.model.display.page_rows import PageRow, collect_page_rows
 from cpm_app.model.document.document import Document, ImageReference
@@ -18,15 +18,24 @@ from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.exchange.messages import explain_failure
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
-from cpm_app.session.timeline.runs_json import read_valid_entries
 from cpm_app.session.undo_history import UndoHistory
 from cpm_core import Engine, Image, Page, Result, State, load_pages
-from cpm_core.formats import Pages, Reading, decode_session, encode_session, page_from_json, page_to_json
+from cpm_core.formats import (
+    Pages,
+    Reading,
+    decode_session,
+    encode_session,
+    expect_mapping,
+    page_from_json,
+    page_to_json,
+)
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import PageFollower, StackResult, describe_error, limit_scales, strip_image
 from cpm_core.shapes import SeedCache, Start, check_axes
+
+Entry = TypeVar("Entry")
 
 
 @record
@@ -271,13 +280,26 @@ class StoredPages:
 
         faults: list[Exception] = []
         kept, pages = (
-            dict(read_valid_entries(plain, "sessions", read_session, faults)),
-            dict(read_valid_entries(plain, "found", read_page, faults)),
+            dict(_read_valid_entries(plain, "sessions", read_session, faults)),
+            dict(_read_valid_entries(plain, "found", read_page, faults)),
         )
-        drawn = tuple(read_valid_entries(plain, "drawn", dict, []))
+        drawn = tuple(_read_valid_entries(plain, "drawn", dict, []))
         given = here.starts if plain.get("given") is True else ()
         trouble = tr("Some pages of the stack are damaged in the session and were skipped.")
         return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if faults else "")
+
+
+def _read_valid_entries(
+    plain: JsonObject, name: str, read: Callable[[JsonObject], Entry], errors: list[Exception]
+) -> list[Entry]:
+    """Read the valid entries of a list; the errors of the others are added to `errors`."""
+    found, entries = [], plain.get(name, [])
+    for entry in entries if isinstance(entries, list) else [entries]:
+        try:
+            found.append(read(expect_mapping(entry, name)))
+        except (ValueError, TypeError, KeyError, OverflowError, IndexError, AttributeError) as error:
+            errors.append(error)
+    return found
 
 
 class LazyJsonPages(Mapping[str, Any]):

@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CommandFailed, Snapshot
 from cpm_app.session.session import Session
-from cpm_app.session.timeline.stored_runs import TimelineBranch
+from cpm_app.session.timeline.branches import TimelineBranch
 from cpm_app.session.timeline.timeline import EMPTY_TIMELINE, TimelineState
 from cpm_app.session.worker.commands import call_run
 from cpm_app.session.worker.requests import go_to_step

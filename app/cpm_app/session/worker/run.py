@@ -15,7 +15,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.mailbox import Mailbox, Pacer
 from cpm_app.session.exchange.messages import OverlayData, Overlays, Reconstruction, Snapshot, explain_failure
-from cpm_app.session.timeline.stored_runs import StoredRuns
+from cpm_app.session.timeline.branches import StoredRuns
 from cpm_app.session.timeline.timeline import Timeline
 from cpm_app.session.timeline.timeline_nodes import EraseAction, JoinAction, RunAction, StepAction
 from cpm_app.session.worker.prepared_methods import AREA_OVERLAY, PreparedMethods, compute_overlay
@@ -88,9 +88,9 @@ class Run:
         self.timeline.begin_run(self.state, document, generation)
         self._send_snapshot()
 
-    def restore_runs(self, stored: StoredRuns) -> str:
-        """Take over the runs of a session, none of which is shown yet; return the first error, or ""."""
-        return self.timeline.restore_runs(
+    def restore_runs(self, stored: StoredRuns) -> None:
+        """Take over the runs of a session, none of which is shown yet; raise ValueError if one cannot begin."""
+        self.timeline.restore_runs(
             stored, lambda method, document: method.start(self._prepared.compute_seeds(document))
         )
 

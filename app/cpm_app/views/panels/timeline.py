@@ -30,7 +30,7 @@ from cpm_app.model.display.lengths import round_up
 from cpm_app.model.state.situation import RunStatus
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
-from cpm_app.session.timeline.stored_runs import TimelineBranch
+from cpm_app.session.timeline.branches import TimelineBranch
 from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.actions import Actions, add_menu_action
