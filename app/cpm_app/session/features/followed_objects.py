@@ -52,11 +52,6 @@ class FollowedObjects(QObject):
         """The search for objects to offer, such as those of the previous page; None if there are none."""
         return self._search if self._image is self._session.image else None
 
-    def offer(self, search: ObjectSearch) -> None:
-        """Offer what another search finds on the open image."""
-        self._image, self._search = self._session.image, search
-        self.search_changed.emit()
-
     @property
     def running(self) -> bool:
         """Whether objects are being followed in the background."""

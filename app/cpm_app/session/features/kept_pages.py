@@ -32,7 +32,7 @@ from cpm_core.formats import (
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.pages import PageFollower, StackResult, describe_error, limit_scales, strip_image
+from cpm_core.pages import PageFollower, StackResult, limit_scales, strip_image
 from cpm_core.shapes import SeedCache, Start, check_axes
 
 Entry = TypeVar("Entry")
@@ -368,10 +368,7 @@ def run_pages(
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others
-            known = isinstance(error, ValueError | MemoryError)
-            trouble = (
-                describe_error(error) if known else explain_failure(error, tr("running page {number}", number=number))
-            )
+            trouble = explain_failure(error, tr("running page {number}", number=number))
             yield Page(number, None, error=trouble), KeptPage(document, given_starts=given)
             continue
         done = KeptPage(document, runs, given_starts=given, runs_unsaved=True)

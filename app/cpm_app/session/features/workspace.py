@@ -31,7 +31,7 @@ class Workspace:
         self.object_commands = ObjectCommands(self.session, self.contour_selection, self.object_list)
         self.pages = StackPages(self.session, self.contour_selection)
         self.followed_objects = FollowedObjects(self.session, self.pages)
-        self.project = ImageProject(self.session, self.object_list, self.pages, self.followed_objects)
+        self.project = ImageProject(self.session, self.object_list, self.pages)
         self.object_selection = ObjectSelection(self.session, self.object_list, self.pages, self.followed_objects)
         self.skeleton_updater = SkeletonUpdater(self.session)
         self.navigation = TimelineNavigation(self.session)
