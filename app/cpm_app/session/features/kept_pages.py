@@ -12,14 +12,13 @@ from typing import Any, NamedTuple, TypeVar
 from cpm_app.model.display.page_rows import PageRow, collect_page_rows
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.objects import build_objects_result
-from cpm_app.model.document.running import run_document
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.exchange.messages import explain_failure
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
 from cpm_app.session.undo_history import UndoHistory
-from cpm_core import Engine, Image, Page, Result, State, load_pages
+from cpm_core import Engine, Evolution, Image, Page, Result, load_pages
 from cpm_core.formats import (
     Pages,
     Reading,
@@ -335,13 +334,13 @@ def run_recorded(image: Image, document: Document, task: BackgroundTask) -> tupl
     """
     engine, recorder = Engine(image, document.parameters, document.regions), RunRecorder()
 
-    def record_state(state: State) -> None:
+    seeds = document.collect_seeds(document.find_image_seeds(SeedCache(image)))
+    run = Evolution(engine, engine.start(seeds), document.parameters, charges=document.charges)
+    for moment in run:
         task.check_cancelled()
-        recorder(state)
-
-    result = run_document(engine, document, document.find_image_seeds(SeedCache(image)), record_state)
+        recorder(moment.state)
     session = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
-    return result, session.runs
+    return run.result, session.runs
 
 
 def run_pages(
