@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -16,6 +16,7 @@ from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.exchange.messages import explain_failure
+from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
 from cpm_app.session.undo_history import UndoHistory
 from cpm_core import Engine, Evolution, Image, Page, Result, load_pages
@@ -151,9 +152,6 @@ StackTable = tuple[StackResult | None, tuple[PageRow, ...]]
 EMPTY_TABLE: StackTable = (None, ())
 """The table while there are no results."""
 
-MeasuredObjects = Mapping[int, tuple[SegmentedObjects, Result | None]]
-"""The objects of each page, and a result with their mean gray values; None where there are no objects."""
-
 
 class LinkedPages(NamedTuple):
     """What was found on all pages of a stack, with tracks.
@@ -163,7 +161,6 @@ class LinkedPages(NamedTuple):
 
     source: StackSource
     found: Mapping[int, Page]
-    measured: MeasuredObjects
     table: StackTable
 
 
@@ -172,18 +169,20 @@ def link_pages(
     found: Mapping[int, Page],
     drawn: tuple[JsonObject, ...],
     documents: Mapping[int, Document],
-    measured: MeasuredObjects,
+    measured: IdentityCache,
 ) -> LinkedPages:
-    """Link what was found on all pages to tracks, page by page, and measure objects that are not `measured`."""
-    known = dict[int, tuple[SegmentedObjects, Result | None]]()
+    """Link what was found on all pages to tracks, page by page; objects are measured again only if they change."""
+
+    def measure_objects(number: int, document: Document) -> Result | None:
+        result = build_objects_result(document)
+        return result and strip_image(replace(result, image=source.pages[number - 1]))
+
+    objects = dict[int, Result]()
     for number, document in documents.items():
-        before, result = measured.get(number, (None, None))
         size = document.image and (document.image.spacing, document.image.unit)
-        if before is not document.objects or (result and (result.spacing, result.unit) != size):
-            result = build_objects_result(document)
-            result = result and strip_image(replace(result, image=source.pages[number - 1]))
-        known[number] = document.objects, result
-    objects = {number: result for number, (_, result) in known.items() if result is not None}
+        measure = partial(measure_objects, number, document)
+        if (result := measured.get_named(number, measure, document.objects, size)) is not None:
+            objects[number] = result
     runs = {number: page.result and strip_image(page.result) for number, page in found.items()}
     found = {number: replace(page, result=runs[number]) for number, page in found.items()}
     follower, pages = PageFollower(), list[Page]()
@@ -191,10 +190,10 @@ def link_pages(
         result = objects.get(number) or runs[number]
         pages.append(found[number] if result is None else follower.add_page(number, result))
     if not pages:
-        return LinkedPages(source, found, known, EMPTY_TABLE)
+        return LinkedPages(source, found, EMPTY_TABLE)
     name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.has_single_axis
     whole = StackResult(name, source.count, tuple(pages), axis, alone, drawn)
-    return LinkedPages(source, found, known, (whole, collect_page_rows(whole)))
+    return LinkedPages(source, found, (whole, collect_page_rows(whole)))
 
 
 _MAX_PAGE_RUNS_CHARACTERS = 24 * 2**20

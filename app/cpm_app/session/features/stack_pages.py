@@ -14,14 +14,13 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import FilesExported, ImageOpened, Report, SavedSession
-from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.contour_selection import ContourSelection
 from cpm_app.session.features.kept_pages import (
     EMPTY_TABLE,
     KeptPage,
     LazyJsonPages,
     LinkedPages,
-    MeasuredObjects,
     StackSource,
     StackTable,
     StoredPages,
@@ -41,6 +40,7 @@ from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.formats import ImageFile, describe_shapes, export_stack
 from cpm_core.numerics.types import JsonObject
+from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import StackResult
 from cpm_core.shapes import Start, starts_from_contours
 
@@ -78,7 +78,8 @@ class StackPages(QObject):
         """What was found on all pages, with tracks, and the rows: the objects of a page, or else its contours."""
         self._linked: Mapping[int, Page] = {}
         """The contours of all finished pages, as files hold them."""
-        self._measured: MeasuredObjects = {}
+        self._measured = IdentityCache()
+        self._last_objects: SegmentedObjects | None = None
         self.task: BackgroundTask | None = None
         self._last_result: Result | None = None
         self._drawn: tuple[JsonObject, ...] = ()
@@ -325,7 +326,8 @@ class StackPages(QObject):
         """Keep the contours of the open page, once its run is at rest."""
         scene = self._session.scene
         shown = scene.result
-        if self.count and self._measured.get(self.number, (None,))[0] is not scene.document.objects:
+        if self.count and self._last_objects is not scene.document.objects:
+            self._last_objects = scene.document.objects
             self._link_soon()
         if not self.count or shown is None or self._session.status.phase == "running":
             return
@@ -341,7 +343,7 @@ class StackPages(QObject):
     def _on_pages_linked(self, made: LinkedPages) -> None:
         if made.source.path != self.source.path or not self.count:
             return
-        self._measured, self._linked, self.table = made.measured, made.found, made.table
+        self._linked, self.table = made.found, made.table
         self._found_pages |= {number: page for number, page in made.found.items() if number != self.number}
         self.results_changed.emit()
 
@@ -382,7 +384,8 @@ class StackPages(QObject):
         source = self.source = StackSource.from_file(str(opened.path), parts, opened.reading)
         self.number = self.wanted_page = source.page_number(opened.reading)
         self._kept, self._found_pages, self._given_starts = {}, {}, ()
-        self.table, self._linked, self._measured, self._last_result, self._drawn = EMPTY_TABLE, {}, {}, None, ()
+        self.table, self._linked, self._last_result, self._drawn = EMPTY_TABLE, {}, None, ()
+        self._measured = IdentityCache()
         if opened.saved is not None and opened.saved.file.pages and self.count:
             stored = StoredPages.from_json(opened.saved.file.pages, self._session.document, source)
             self._kept, self.following, self._drawn = stored.kept, stored.following, stored.drawn
