@@ -19,7 +19,6 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.scene_store import SceneStore
 from cpm_app.session.timeline.branches import starts_from_sources
 from cpm_app.session.timeline.timeline_nodes import EraseAction
-from cpm_app.session.undo_history import Erasure
 from cpm_app.session.worker.commands import WorkerCommand, call_run, find_seeds
 from cpm_app.session.worker.run import Run
 from cpm_core.numerics import Place
@@ -43,7 +42,6 @@ class RunUpdater:
         """The document that each run has begun from, with the mode that it serves now, by its generation."""
         self.sources_by_run: dict[int, Counter[Hashable]] = {}
         """The sources of the particles of each run, by its generation."""
-        self._erasures = 0
         self._last_start_counts: Counter[Hashable] = Counter()
         self._last_shapes: tuple[Shape, ...] | None = None
         self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable] | None, bool] = (None, None, False)
@@ -157,12 +155,7 @@ class RunUpdater:
             only = replace(document, shapes=(*starts_from_sources(new), *regions))
             self._post(call_run(self._store.generation, Run.add_particles, only))
 
-    def begin_erasure(self) -> Erasure:
-        """Return an erasure that has not removed anything yet."""
-        self._erasures += 1
-        return Erasure(self._erasures)
-
-    def erase_particles(self, path: tuple[Place, ...], radius: float, erasure: Erasure) -> tuple[Document, bool]:
+    def erase_particles(self, path: tuple[Place, ...], radius: float, gesture: str) -> tuple[Document, bool]:
         """Remove the particles near a path; return the document without its shapes there, and whether the run changes.
 
         Run and document stay consistent, so that the run is not out of date afterwards.
@@ -172,8 +165,7 @@ class RunUpdater:
         self._set_current_sources(self._current_sources - lost)
         if not self._store.status.started:
             return rest, False
-        erasure.sources += lost
-        self._post(call_run(self._store.generation, Run.erase_particles, path, radius, erasure.number))
+        self._post(call_run(self._store.generation, Run.erase_particles, path, radius, gesture))
         # the window knows where particles were a moment ago; while they move, they may be some pixels farther on
         scene, erased = (
             self._store.scene,
@@ -182,12 +174,6 @@ class RunUpdater:
         if lost or scene.snapshot is None or scene.image is None:
             return rest, True
         return rest, bool(np.any(erased.is_near_path(scene.snapshot.position, scene.image.spacing)))
-
-    def undo_or_redo_erasure(self, erasure: Erasure, back: bool) -> None:
-        """Bring back the particles of an erasure and of the shapes it removed, or remove them again."""
-        self._set_current_sources(
-            self._current_sources + erasure.sources if back else self._current_sources - erasure.sources
-        )
 
 
 def _find_start_inputs(document: Document) -> tuple[object, ...]:

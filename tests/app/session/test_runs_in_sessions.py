@@ -125,8 +125,7 @@ def test_an_intervention_is_repeated_after_opening(ready, hand, tmp_path) -> Non
     for _ in range(8):
         session.step()
     session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))
-    erasure = session.run_updater.begin_erasure()
-    session.edit("erase", lambda _: session.run_updater.erase_particles(((32.0, 42.0), (34.0, 42.0)), 3.0, erasure)[0])
+    session.erase(((32.0, 42.0), (34.0, 42.0)), 3.0, "erase")
     for _ in range(8):
         session.step()
     hand.wait(lambda: session.idle)

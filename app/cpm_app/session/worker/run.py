@@ -55,7 +55,8 @@ class Run:
         self._prepared = prepared
         self._overlays: dict[str, tuple[tuple[object, ...], OverlayData | None, str]] = {}
         """What each requested overlay has been made of, the overlay, and the error; the one made last is the last."""
-        self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
+        self._erasing_gesture = ""
+        """The gesture that has begun a branch by the removal of particles last."""
         self._remaining = 0.0
 
     # The image and the document
@@ -64,7 +65,6 @@ class Run:
         """Change to another image, with the method that has been prepared for it."""
         self.discard_state(generation)
         self.timeline.clear()
-        self._erasures.clear()
         self.image_generation = generation
         self._prepared.use_image(method)
         self.method, self.charges, self.parameters = method, (), parameters
@@ -143,29 +143,21 @@ class Run:
         self._apply_action(joined, on_own_branch=ended)
         return ended and self._step_without_limit()
 
-    def erase_particles(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
-        """Remove the particles near a path; particles of one `erasure`, given by its number, are brought back together.
+    def erase_particles(self, path: tuple[Place, ...], radius: float, gesture: str) -> None:
+        """Remove the particles near a path.
 
-        The first removal begins a branch, so that the state before it stays on the timeline.
+        The first removal of a gesture begins a branch, so that the state before it stays on the timeline.
         """
-        here = self.timeline.current_step
-        if not isinstance(self.method, Steerable) or self.state is None or here is None:
+        if not isinstance(self.method, Steerable) or self.state is None:
             return
-        count, known = self.state.count, erasure in self._erasures
         action = EraseAction(path, radius, self.method.regions)
-        removes = not known and action.apply_to(self.method, self.state).count < count
-        self._apply_action(action, on_own_branch=removes)
-        after = self.timeline.current_step
-        if (removes or known) and after is not None:
-            self._erasures[erasure] = (self._erasures[erasure][0] if known else here, after)
+        begins = gesture != self._erasing_gesture
+        begins = begins and action.apply_to(self.method, self.state).count < self.state.count
+        self._apply_action(action, on_own_branch=begins)
+        if begins:
+            self._erasing_gesture = gesture
         if self.state.stop_reason:
             self._remaining = 0.0
-
-    def undo_or_redo_erasure(self, erasure: int, back: bool) -> None:
-        """Go to the state before an erasure, or to the one after it; do nothing if it removed nothing."""
-        if erasure in self._erasures:
-            before, after = self._erasures[erasure]
-            self.go_to(*(before if back else after), lambda: True)
 
     def _apply_action(self, action: RunAction, on_own_branch: bool = False) -> None:
         """Apply an action to the current state; if `on_own_branch`, on a branch of its own."""
