@@ -15,6 +15,7 @@ import numpy as np
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
+from cpm_app.model.document.modes import needs_start
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene_store import SceneStore
 from cpm_app.session.timeline.branches import starts_from_sources
@@ -92,13 +93,14 @@ class RunUpdater:
     def is_outdated(self, document: Document) -> bool:
         """Return whether a run from the current document would begin differently from the existing one.
 
-        Starts that have only been added join the run.
+        Starts that have only been added join the run. A skeleton depends on the objects that it is made for.
         """
-        sources = self._current_sources
+        begun, sources = self._documents_by_run.get(self._run), self._current_sources
+        if begun is not None and not needs_start(begun.mode):
+            return begun.skeleton_inputs != document.skeleton_inputs
         # The window asks many times a second, and many thousand points take a while to compare.
         if document.shapes is not self._outdated[0] or sources is not self._outdated[1]:
             self._outdated = document.shapes, sources, bool(sources - document.start_counts)
-        begun = self._documents_by_run.get(self._run)
         return self._outdated[2] or begun is None or document.start_inputs != begun.start_inputs
 
     def continue_run(self, document: Document) -> None:

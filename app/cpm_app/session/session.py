@@ -148,7 +148,7 @@ class Session(QObject):
         status, document = self.store.status, self.document
         method = RUN_METHODS[status.method]
         other = status.method != MODES[document.mode].method
-        stale = status.started and (other or (method.seeded and self.run_updater.is_outdated(document)))
+        stale = status.started and (other or self.run_updater.is_outdated(document))
         steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
         if status.phase == "empty" and self.opening_name:
             return replace(status, busy=self.opening_name)
@@ -185,8 +185,8 @@ class Session(QObject):
         """Change the document in a way that can be undone.
 
         `name` follows "Undo" in the menu. Successive edits with the same gesture are undone together. A gesture that
-        changes the forces on particles at rest, such as the drag of a slider, reactivates them. A `ValueError` of
-        `edit` is shown to the user and changes nothing.
+        changes the forces on particles at rest, such as the drag of a slider, reactivates them; a run without seeds,
+        which takes a few steps, follows every edit. A `ValueError` of `edit` is shown to the user and changes nothing.
         """
         before = self.document
         try:
@@ -195,9 +195,14 @@ class Session(QObject):
             self.messages.show(explain_error(error), True, EDITING_CATEGORY)
             return
         if after != before:
-            continues = bool(gesture) and self._moves_resting_particles(after)
+            method = MODES[after.mode].method
+            follows = not RUN_METHODS[method].seeded and method == self.status.method
+            continues = (follows or bool(gesture)) and self._moves_resting_particles(after)
             self._push_and_show(Change(name, before, after, gesture, place_before=self._find_place()))
-            if continues:
+            if follows and self.status.stale:
+                self.reset()
+                self.run()
+            elif continues:
                 self.run()
 
     def erase(self, path: tuple[Place, ...], radius: float, gesture: str) -> bool:
