@@ -424,7 +424,7 @@ class Session(QObject):
             here = self.store.generation
             if change.erases or shown is None or (shown.branch, shown.step) != (place.branch, place.step):
                 self._target = place
-                self.pause_and_post(call_run(here, Run.go_to, place.branch, place.step, lambda: True))
+                self.pause_and_post(call_run(here, Run.go_to, place.branch, place.step))
                 self.post_command(call_run(here, Run.reconstruct_if_halted))
             if goes_on:
                 self.store.set_phase("running")

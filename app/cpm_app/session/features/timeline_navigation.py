@@ -12,7 +12,6 @@ from cpm_app.session.session import Session
 from cpm_app.session.timeline.branches import TimelineBranch
 from cpm_app.session.timeline.timeline import EMPTY_TIMELINE, TimelineState
 from cpm_app.session.worker.commands import call_run
-from cpm_app.session.worker.requests import go_to_step
 from cpm_app.session.worker.run import Run
 from cpm_core import Parameters
 
@@ -90,7 +89,7 @@ class TimelineNavigation(QObject):
         target = self._target = (branch, step)
         session = self._session
         session.pause_and_post(
-            go_to_step(session.store.generation, branch, step, lambda: self._target in (None, target))
+            call_run(session.store.generation, Run.go_to, branch, step, lambda: self._target in (None, target))
         )
         self._stay.start()
         self.changed.emit()

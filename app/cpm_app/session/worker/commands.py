@@ -303,7 +303,7 @@ def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> W
         if here is None:
             context.report(RunsKept(run.generation, outline))
         else:
-            run.go_to(*here, lambda: not context.closing())
+            run.go_to(*here)
             run.halt()
 
     return WorkerCommand(restore_and_show, tr("restoring the runs"), failure_report=partial(RunFailed, generation))

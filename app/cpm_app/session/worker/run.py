@@ -39,7 +39,7 @@ _NO_OVERLAY = ((), None, "")
 class Run:
     """The run that the worker thread steps: a method, its state and its parameters; no other thread touches it."""
 
-    def __init__(self, prepared: PreparedMethods) -> None:
+    def __init__(self, prepared: PreparedMethods, is_closing: Callable[[], bool] = lambda: False) -> None:
         self.snapshots: Mailbox[Snapshot] = Mailbox()
         self.overlays: Mailbox[Overlays] = Mailbox()
         self.reconstructor = Reconstructor()
@@ -52,7 +52,7 @@ class Run:
         self.parameters = Parameters()
         self.charges: tuple[PlacedCharge, ...] = ()
         self._drawn = Document()
-        self._prepared = prepared
+        self._prepared, self._is_closing = prepared, is_closing
         self._overlays: dict[str, tuple[tuple[object, ...], OverlayData | None, str]] = {}
         """What each requested overlay has been made of, the overlay, and the error; the one made last is the last."""
         self._erasing_gesture = ""
@@ -280,11 +280,15 @@ class Run:
         self.timeline.record_step(StepAction(parameters, self.charges, method.regions), state, measures)
         self._send_snapshot()
 
-    def go_to(self, branch: int, step: int, is_wanted: Callable[[], bool]) -> None:
+    def go_to(self, branch: int, step: int, is_wanted: Callable[[], bool] = lambda: True) -> None:
         """Pause and go to another step of the timeline; if that is no longer wanted, only pause."""
         self._remaining = 0.0
         before = self.timeline.current_run
-        state = self.timeline.go_to(branch, step, is_wanted) if is_wanted() else None
+
+        def is_still_wanted() -> bool:
+            return is_wanted() and not self._is_closing()
+
+        state = self.timeline.go_to(branch, step, is_still_wanted) if is_still_wanted() else None
         if state is not None:
             self._show_state(state, before)
 
