@@ -128,10 +128,11 @@ class KeptPage:
         return self.runs_unsaved or self.document != self.saved_document
 
 
-def with_starts(document: Document, starts: tuple[Start, ...]) -> Document:
-    """Replace the starts of a document; limits and charges stay."""
+def give_starts(document: Document, starts: tuple[Start, ...]) -> tuple[Document, tuple[Start, ...]]:
+    """Give a document starts in place of its own, if there are any; return it, and the starts that it has."""
     others = (shape for shape in document.shapes if not isinstance(shape, Start))
-    return replace(document, shapes=(*starts, *others))
+    given = starts or document.starts
+    return replace(document, shapes=(*given, *others)), given
 
 
 def without_results(document: Document) -> Document:

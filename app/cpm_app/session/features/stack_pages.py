@@ -24,10 +24,10 @@ from cpm_app.session.features.kept_pages import (
     StackSource,
     StackTable,
     StoredPages,
+    give_starts,
     link_pages,
     pages_to_json,
     run_pages,
-    with_starts,
     with_taken_numbers,
     without_results,
 )
@@ -35,7 +35,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.storage.session_file import DocumentFile, SessionWritten
 from cpm_app.session.tasks.opening import OpenRequest
-from cpm_app.session.tasks.tasks import BackgroundTask
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.formats import ImageFile, describe_shapes, export_stack
@@ -80,7 +80,7 @@ class StackPages(QObject):
         """The contours of all finished pages, as files hold them."""
         self._measured = IdentityCache()
         self._last_objects: SegmentedObjects | None = None
-        self.task: BackgroundTask | None = None
+        self.task = ENDED_TASK
         self._last_result: Result | None = None
         self._drawn: tuple[JsonObject, ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
@@ -104,7 +104,7 @@ class StackPages(QObject):
 
         session.store.add_listener(SessionWritten, on_session_written)
         session.store.scene_changed.connect(self._on_scene_changed)
-        session.tasks.changed.connect(self._on_tasks_changed)
+        session.tasks.changed.connect(self.changed)
 
     def set_session_file(self, document_file: DocumentFile) -> None:
         """Set the session file, which keeps the runs of the open page; it is made after the pages that it stores."""
@@ -117,7 +117,7 @@ class StackPages(QObject):
     @property
     def running(self) -> bool:
         """Whether pages are being run in the background."""
-        return self.task is not None
+        return not self.task.is_over
 
     @property
     def result(self) -> StackResult | None:
@@ -233,11 +233,9 @@ class StackPages(QObject):
 
     def _make_fresh_page(self, number: int, here: KeptPage) -> KeptPage:
         """Make the state of an untouched page: with the shapes of the open page, or starts from the previous page."""
-        document, given = without_results(here.document), here.given_starts or here.document.starts
-        before = self._found_pages.get(number - 1)
-        if self.following and before is not None and before.contours:
-            given = starts_from_contours(before.contours)
-            document = with_starts(document, given)
+        before = self._found_pages.get(number - 1) if self.following else None
+        starts = () if before is None else starts_from_contours(before.contours)
+        document, given = give_starts(without_results(here.document), starts)
         return KeptPage(document, saved_document=document, given_starts=given)
 
     def _on_image_opened(self, opened: ImageOpened) -> None:
@@ -276,8 +274,7 @@ class StackPages(QObject):
             own = without_results(document) if page is None else replace(page.document, parameters=document.parameters)
             if page is not None and page.has_own_start:
                 return own, ()
-            given = (starts if following else ()) or document.starts
-            return with_starts(own, given), given
+            return give_starts(own, (starts if following else ()) or document.starts)
 
         def run_and_report(task: BackgroundTask) -> None:
             for page, done in run_pages(source, numbers, document_of, before, task):
@@ -291,9 +288,7 @@ class StackPages(QObject):
 
     def cancel(self) -> None:
         """Stop running pages; finished ones stay."""
-        if self.task is not None:
-            self.task.cancel()
-            self._on_tasks_changed()
+        self.task.cancel()
 
     def _on_page_done(self, path: str, known: KeptPage | None, page: Page, done: KeptPage) -> None:
         """Keep a page that has been run, unless the user has changed it since; the open one is opened again."""
@@ -314,11 +309,6 @@ class StackPages(QObject):
         self._kept[number] = done
         if here and not self._turning and self._session.status.phase != "running":
             self._begin_page(number, done)
-
-    def _on_tasks_changed(self) -> None:
-        if self.task is not None and self.task.is_over:
-            self.task = None
-            self.changed.emit()
 
     # Results
 
