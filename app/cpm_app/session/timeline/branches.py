@@ -90,7 +90,7 @@ NO_BRANCH = Branch(0, "", 0, [], [])
 def describe_branches(branches: Iterable[Branch]) -> tuple[TimelineBranch, ...]:
     """Describe branches for the window, the oldest first.
 
-    The parent of each is the older branch of its run that it shares the most nodes with.
+    The parent of each is the older branch of its run that it shares the most nodes with, None if it shares none.
     """
     lines = tuple(branches)
 
@@ -102,6 +102,9 @@ def describe_branches(branches: Iterable[Branch]) -> tuple[TimelineBranch, ...]:
             at = line.count_common_nodes(parent)
             both = at < min(len(line.nodes), len(parent.nodes))
             first = at if both and parent.nodes[at] in line.nodes[at].nodes_of_step else at - 1
+        if parent is None or first < 0:
+            parent, first = None, 0
+        else:
             scales = [mark for mark in scales if mark[0] > first]
         leaves = None if parent is None else parent.identity
         return TimelineBranch(line.identity, line.name, leaves, first, line.last, tuple(scales), line.run, line.renamed)

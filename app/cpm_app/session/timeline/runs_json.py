@@ -192,12 +192,13 @@ def _read_branch(plain: JsonObject, actions: Sequence[RunAction], older: Mapping
     if "figures" in plain:
         figures = array_from_json(plain["figures"], float, (len(FIGURE_NAMES), None), "figures of a branch")
     parent, first, run = older.get(shown.parent or 0), shown.first, next(iter(older), shown.identity)
-    begins = not (older or shown.parent or first) and shown.scales and shown.scales[0][0] == 0
+    begins = not (shown.parent or first) and shown.scales and shown.scales[0][0] == 0
     if not (begins if parent is None else 0 <= first <= parent.last):
         raise ValueError(f"branch {shown.identity} leaves no step of its run.")
     if shown.identity < 1 or any(min(mark) < 0 for mark in shown.scales):
         raise ValueError(f"branch {shown.identity} is not one that a run can have.")
-    nodes = [TimelineNode(run, 0)] if parent is None else parent.nodes[: first + 1]
+    root = next(iter(older.values())).nodes[0].nodes_of_step[0] if older else TimelineNode(run, 0)
+    nodes = [root] if parent is None else parent.nodes[: first + 1]
     scales = [*([] if parent is None else parent.scales_until(first)), *shown.scales]
     steps: list[list[RunAction]] = []
     for entry in expect_list(plain.get("steps"), "steps"):
@@ -217,7 +218,7 @@ def _read_branch(plain: JsonObject, actions: Sequence[RunAction], older: Mapping
         for action in taken:
             node = TimelineNode(run, step, node, action)
         nodes.append(node)
-    steered = parent is not None or bool(nodes[0].actions) or any(at.actions != nodes[1].actions for at in nodes[1:])
+    steered = bool(older) or bool(nodes[0].actions) or any(at.actions != nodes[1].actions for at in nodes[1:])
     metrics = BranchMetrics(figures)
     return Branch(shown.identity, shown.name[:40], run, nodes, scales, steered, shown.renamed, metrics)
 

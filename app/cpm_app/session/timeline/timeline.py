@@ -284,13 +284,6 @@ class Timeline:
         if len(self._branches_by_number) == 1:
             raise ValueError(tr("The only run cannot be deleted."))
         rest = [other for other in self._branches_by_number.values() if other.run == line.run and other is not line]
-        if any(
-            not other.count_common_nodes(rest[0]) and rest[0].nodes[0] not in other.nodes[0].nodes_of_step
-            for other in rest
-        ):
-            raise ValueError(
-                tr("{name} cannot be deleted: several branches begin with its step {step}.", name=line.name, step=0)
-            )
         del self._branches_by_number[branch]
         if self._current_branch is line and rest:
             other = max(rest, key=line.count_common_nodes)
@@ -342,7 +335,7 @@ class Timeline:
             number = run.branches[0].run
             self._begun[number] = run.document, -generation
             method = self.method_of_run(number, run.document.regions)
-            self._states.put(run.branches[0].nodes[0], first(method, run.document))
+            self._states.put(run.branches[0].nodes[0].nodes_of_step[0], first(method, run.document))
             for line in run.branches:
                 self._branches_by_number[line.identity] = line
                 self._numbered = max(self._numbered, line.identity)
