@@ -55,7 +55,7 @@ class StackPages(QObject):
     """Navigates the pages of a stack, runs all of them, and holds the results of each."""
 
     changed = Signal()
-    """Another page is open, or runs of pages have begun or ended."""
+    """Another page is open, or runs of pages have begun; `TaskManager.changed` tells when they end."""
     results_changed = Signal()
     """The results of all pages have changed: `result`."""
 
@@ -104,7 +104,6 @@ class StackPages(QObject):
 
         session.store.add_listener(SessionWritten, on_session_written)
         session.store.scene_changed.connect(self._on_scene_changed)
-        session.tasks.changed.connect(self.changed)
 
     def set_session_file(self, document_file: DocumentFile) -> None:
         """Set the session file, which keeps the runs of the open page; it is made after the pages that it stores."""
