@@ -1,4 +1,4 @@
-"""Keys in sentences: the shortcuts of actions, as the user has set them.
+"""Keys in sentences: shortcuts, as the user has set them.
 
 A sentence names a key by its action, as in ``"Press {key:run} to run."`` or ``"Open an image ({key:open})."``, also in
 its translations. `insert_keys` puts the keys in; the window fills the table by `use_action_names`, and again after each

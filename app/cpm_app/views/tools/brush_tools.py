@@ -10,7 +10,6 @@ import scipy
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE, default_brush_radius
-from cpm_app.session.undo_history import Erasure
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import ShapeTool
 from cpm_core.numerics import Array, Place
@@ -132,26 +131,20 @@ class EraserTool(RingTool):
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         super().set_up()
-        self._erasure: Erasure | None = None
         self._has_erased = False
 
     def apply_along(self, path: tuple[Place, ...]) -> None:
         """Erase along the path of the ring."""
-        if self._erasure is None:
-            self._erasure, self._has_erased = self._session.run_updater.begin_erasure(), False
-        before = self._session.document
-        left, run_changed = self._session.run_updater.erase_particles(path, self.radius, self._erasure)
-        self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
-        self._has_erased = self._has_erased or run_changed or self._session.document is not before
+        self._has_erased = self._session.erase(path, self.radius, self._gesture) or self._has_erased
 
     def on_release(self) -> None:
         """Keep the erased state."""
-        self._erasure = None
+        self._has_erased = False
         super().on_release()
 
     def cancel(self) -> None:
         """Restore what the gesture has erased."""
-        erased = self._erasure is not None and self._has_erased
+        erased = self._has_erased
         self.release()
         if erased:
             self._session.undo()
