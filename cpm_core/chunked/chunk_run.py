@@ -33,12 +33,12 @@ def find_chunk_contours(
     parameters: Parameters,
     kind: str,
     max_steps: int | None,
-) -> tuple[Contour, ...]:
-    """Find the contours of a run from everywhere in what a chunk sees, in px of the image."""
+) -> tuple[list[Contour], list[Array]]:
+    """Find the contours, and the links between them, of a run from everywhere in what a chunk sees [px of the image]."""
     values = statistics.scaling.scale_grays(source.read_grays(chunk.padded))
     own = statistics.scaling.adjust_parameters(parameters)
     if values.min() == values.max():
-        return ()
+        return [], []
     corner = (chunk.padded[0].start, chunk.padded[1].start)
     image = Image(values, source=source.path.name)
     engine = Engine(
@@ -48,14 +48,16 @@ def find_chunk_contours(
     )
     seeds = _place_chunk_seeds(engine.scale_field(own), kind)
     if not len(seeds):
-        return ()
+        return [], []
     run = Evolution(engine, engine.start(seeds), own, max_steps)
     for _ in run:
         pass
-    return tuple(
+    found = run.result
+    contours = [
         Contour(one.points + corner, one.closed, one.strength, one.junctions, bridged=one.bridged)
-        for one in run.result.contours
-    )
+        for one in found.contours
+    ]
+    return contours, [link + corner for link in found.links]
 
 
 def _place_chunk_seeds(field: ScaleField, kind: str) -> Array:

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
-from cpm_core.chunked.run import ChunkedContours, ChunkedTask, Compute
+from cpm_core.chunked.chunked_contours import ChunkedContours, ChunkedTask
+from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid, window_limits
+from cpm_core.chunked.run import Compute
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
@@ -198,12 +199,13 @@ def write_contour_table(found: ChunkedContours, path: Path, draft: Path, compute
 def _build_table_columns(found: ChunkedContours, chunk: Chunk) -> dict[str, Array]:
     """Build columns on what the closed contours of a chunk enclose, lengths in the unit of the image if it has one.
 
-    Of contours that no single chunk sees, the area includes what lies inside, and gray levels are not measured.
+    Of contours that reach beyond the next chunk, the area includes what lies inside, and gray levels are not measured.
     """
     source, own = found.task.source, [one for one in found.read_chunk_contours(chunk.number) if one.closed]
     levels = source.levels
-    short = [one for one in own if one.group or found.grid.sees_whole(one)]
-    long = [one for one in own if not (one.group or found.grid.sees_whole(one))]
+    low, high = window_limits(expand_window(chunk.core, found.grid.side, found.grid.shape))
+    far = [bool((one.box[0] < low).any() or (one.box[1] > high).any()) for one in own]
+    short, long = ([one for one, is_far in zip(own, far, strict=True) if is_far == wanted] for wanted in (False, True))
     columns: dict[str, list[Array]] = {"label": [np.array(_number_labels([*short, *long]), np.int64)]}
     for some in (short, long):
         labels: NDArray[Any] = np.zeros((1, 1), np.int64)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cpm_core.chunked.chunked_contours import ChunkedTask, chunk_file_name
 from cpm_core.chunked.grid import Chunk, ChunkGrid, disturbed_margin
 from cpm_core.chunked.image_statistics import (
     ChunkEdges,
@@ -16,7 +17,7 @@ from cpm_core.chunked.image_statistics import (
     find_sample_spacing,
     measure_gray_ends,
 )
-from cpm_core.chunked.run import STATISTICS_FILE, ChunkedTask, Compute, chunk_file_name, map_chunks, sort_results
+from cpm_core.chunked.run import STATISTICS_FILE, Compute, map_chunks, sort_results
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import (
@@ -122,7 +123,7 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
         known = task.store.load(STATISTICS_FILE)
         whole = ImageStatistics.from_arrays(known, source.shape)
         return ChunkedVolume(task, _build_volume_grid(task, whole.scaling.smoothing, side), whole), known["in_core"]
-    plain = ChunkGrid(source.shape, side, 0, 0.0).chunks
+    plain = ChunkGrid(source.shape, side, 0).chunks
     ends = compute(partial(measure_gray_ends, source), plain, "gray levels")
     low, high = merge_gray_ends(found for _, found in ends).usable
     looked: dict[float, list[ChunkEdges]] = {}
@@ -152,7 +153,7 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
 def _build_volume_grid(task: ChunkedTask, smoothing: float, side: int) -> ChunkGrid:
     """Build the grid of a volume for a Gaussian of `smoothing` smallest sides of a voxel."""
     overlap = -(-disturbed_margin(smoothing) // _VOLUME_OVERLAP_MULTIPLE) * _VOLUME_OVERLAP_MULTIPLE
-    return ChunkGrid(task.source.shape, side, overlap, 0.0)
+    return ChunkGrid(task.source.shape, side, overlap)
 
 
 def _measure_chunk_edges(task: ChunkedTask, tone: GrayScaling, chunk: Chunk) -> ChunkEdges:

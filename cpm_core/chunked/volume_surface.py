@@ -16,9 +16,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.chunked.chunked_contours import ChunkedTask, chunk_file_name
 from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
 from cpm_core.chunked.image_statistics import ImageStatistics
-from cpm_core.chunked.run import ChunkedTask, Compute, chunk_file_name, map_chunks
+from cpm_core.chunked.run import Compute, map_chunks
 from cpm_core.chunked.volume_run import VOLUME_CHUNK_SIDE, ChunkedVolume, run_particles
 from cpm_core.formats.images.ome_zarr import create_multiscale, write_window
 from cpm_core.formats.images.reading import Reading
