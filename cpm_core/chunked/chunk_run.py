@@ -34,7 +34,7 @@ def find_chunk_contours(
     kind: str,
     max_steps: int | None,
 ) -> tuple[list[Contour], list[Array]]:
-    """Find the contours, and the links between them, of a run from everywhere in what a chunk sees [px of the image]."""
+    """Find the contours and links of a run from everywhere in what a chunk sees, in px of the image."""
     values = statistics.scaling.scale_grays(source.read_grays(chunk.padded))
     own = statistics.scaling.adjust_parameters(parameters)
     if values.min() == values.max():

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
 from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
-from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, WEAKEST_EDGE, ScaleField, pack_force, weakest_edge
-from cpm_core.image.border import dilate_by_distance, find_pixels_inside_border
+from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, charge_edges, weakest_edge
+from cpm_core.image.border import find_pixels_inside_border
 from cpm_core.image.gray_levels import (
     SPECK_REACH,
     GrayEnds,
@@ -26,7 +26,7 @@ from cpm_core.image.gray_levels import (
     merge_gray_ends,
 )
 from cpm_core.image.pyramid import build_pyramid
-from cpm_core.numerics.grids import expand_window, relative_window, whole_window
+from cpm_core.numerics.grids import Window, expand_window, relative_window, whole_window
 from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
 from cpm_core.objects.partition import ParentImage
 from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
@@ -34,21 +34,17 @@ from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_edge_window
 
 _STATISTICS_SAMPLES = 2**22
-"""Number of pixels of the whole image whose gray levels and edge strengths are sampled."""
-
-_EDGE_MAP_MARGIN = 4
-"""Distance beyond the image border up to which the edge map is kept, as in a run on the whole image [px]."""
+"""Number of pixels of the whole image whose edge strengths are sampled."""
 
 _MAX_COARSE_SIDE = 2048
 """Longest side of the coarse image in which the border and the strongest edge are looked for [px]."""
 
 
 class ChunkGrayLevels(NamedTuple):
-    """Gray levels of the core of a chunk: their ends, a dense and a sparse sample, and means of blocks."""
+    """Gray levels of the core of a chunk: their ends, a sample, and means of blocks."""
 
     ends: GrayEnds
     sample: Array
-    sparse_sample: Array
     blocks: Array
 
 
@@ -130,29 +126,14 @@ class ImageStatistics:
 
     def impose_on_field(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
         """Impose what depends on the whole image on the field of a chunk whose first pixel is `corner` of the image."""
-        strongest, strength = self.strongest[scale], field.edge_map
-        holding = WEAKEST_EDGE * strongest
         top, left, bottom, right = self.scaling.inside
         rows, cols = (
             (start <= at) & (at < end)
-            for n, first, start, end in zip(strength.shape, corner, (top, left), (bottom, right), strict=True)
+            for n, first, start, end in zip(field.shape, corner, (top, left), (bottom, right), strict=True)
             for at in [first + (np.arange(n) + 0.5) * 2**scale - 0.5]
         )
-        inside = rows[:, None] & cols
-        cut = not inside.all()
-        charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
-        if cut:
-            strength = np.where(dilate_by_distance(inside, _EDGE_MAP_MARGIN), strength, strength.dtype.type(0))
-        return replace(
-            field,
-            force=cache(partial(pack_force, field.exponent, charged, field.slopes, strength, holding, cut)),
-            holding=holding,
-            edge_map=strength,
-            strongest=strongest,
-            fixed_charges=charged,
-            floor=self.floor[scale],
-            cut=cut,
-        )
+        found = replace(field, strongest=self.strongest[scale], floor=self.floor[scale])
+        return charge_edges(found, rows[:, None] & cols, edge_floor)
 
 
 def find_block_side(shape: Extent) -> int:
@@ -161,7 +142,7 @@ def find_block_side(shape: Extent) -> int:
 
 
 def find_sample_spacing(shape: Extent) -> int:
-    """Find the distance of the pixels whose gray levels and edge strengths are sampled [px]."""
+    """Find the distance of the pixels whose edge strengths are sampled [px]."""
     return max(math.ceil((math.prod(shape) / _STATISTICS_SAMPLES) ** (1.0 / len(shape))), 1)
 
 
@@ -178,20 +159,12 @@ def measure_gray_ends(source: ChunkedSource, chunk: Chunk) -> GrayEnds:
 def measure_gray_levels(source: ChunkedSource, chunk: Chunk) -> ChunkGrayLevels:
     """Measure the gray levels of a chunk."""
     shape = source.shape
-    values, step, few, side = (
-        source.read_grays(chunk.core),
-        find_sample_spacing(shape),
-        find_sample_step(shape),
-        find_block_side(shape),
-    )
-    first, left = (-side.start % few for side in chunk.core)
+    values, step, side = source.read_grays(chunk.core), find_sample_step(shape), find_block_side(shape)
+    first, left = (-side.start % step for side in chunk.core)
     rows, cols = (-(-n // side) for n in values.shape)
     even = np.pad(values, ((0, rows * side - values.shape[0]), (0, cols * side - values.shape[1])), mode="edge")
     blocks = even.reshape(rows, side, cols, side).mean(axis=(1, 3))
-    return ChunkGrayLevels(
-        measure_gray_ends(source, chunk), values[::step, ::step].ravel(), values[first::few, left::few].ravel(),
-        blocks,
-    )  # fmt: skip
+    return ChunkGrayLevels(measure_gray_ends(source, chunk), values[first::step, left::step].ravel(), blocks)
 
 
 def find_scaling(
@@ -220,7 +193,7 @@ def find_scaling(
 
 def build_parent_image(source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGrayLevels]) -> ParentImage:
     """Describe the image that objects are judged in, from the gray levels of the chunks in the order of the grid."""
-    grays = measure_gray_range(np.concatenate([one.sparse_sample for one in seen]))
+    grays = measure_gray_range(np.concatenate([one.sample for one in seen]))
     plain = GrayScaling(-math.inf, math.inf, 1.0, 0.0, (0, 0, 0, 0))
     return ParentImage(grid.shape, (0, 0), grays, _find_smoothing(source, _assemble_coarse_image(grid, seen), plain))
 
@@ -240,23 +213,37 @@ def _find_smoothing(source: ChunkedSource, coarse: Array, tone: GrayScaling) -> 
     return automatic_smoothing(tone.scale_grays(source.read_grays(part)))
 
 
-def measure_edges(source: ChunkedSource, chunk: Chunk, tone: GrayScaling, parameters: Parameters) -> ChunkEdges:
+def measure_edges(source: ChunkedSource, chunk: Chunk, tone: GrayScaling, scales: int) -> ChunkEdges:
     """Measure the edges of a chunk at each scale."""
-    step = find_sample_spacing(source.shape)
     top, left, bottom, right = tone.inside
-    core = tuple(
+    inside = tuple(
         slice(min(max(side.start, low), high), max(min(side.stop, high), low))
         for side, low, high in zip(chunk.core, (top, left), (bottom, right), strict=True)
     )
+    return measure_strengths(
+        build_pyramid(tone.scale_grays(source.read_grays(chunk.padded)), scales),
+        chunk.padded,
+        inside,
+        find_sample_spacing(source.shape),
+        lambda values: vector_magnitudes(smoothed_gradient(values, tone.smoothing)),
+    )
+
+
+def measure_strengths(
+    pyramid: Arrays, seen: Window, inside: Window, step: int, find_strength: Callable[[Array], NDArray[Any]]
+) -> ChunkEdges:
+    """Measure the edge strength inside one of two windows, of which all is seen at each scale of a pyramid.
+
+    One pixel in `step` is sampled along each axis.
+    """
     strongest, samples = [], []
-    for scale, values in enumerate(build_pyramid(tone.scale_grays(source.read_grays(chunk.padded)), parameters.scales)):
-        strength = vector_magnitudes(smoothed_gradient(values, tone.smoothing))
+    for scale, values in enumerate(pyramid):
         size = 2**scale
-        part = strength[
-            tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative_window(core, chunk.padded))
-        ]
-        strongest.append(float(part.max(initial=0.0)))
-        samples.append(part[:: max(step // size, 1), :: max(step // size, 1)].ravel())
+        part = tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative_window(inside, seen))
+        strength = find_strength(values)[part]
+        strongest.append(float(strength.max(initial=0.0)))
+        some = strength[tuple(slice(-(side.start // size) % step, None, step) for side in inside)]
+        samples.append(some.ravel().astype(float))
     return ChunkEdges(tuple(strongest), tuple(samples))
 
 

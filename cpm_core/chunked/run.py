@@ -72,7 +72,7 @@ def survey_image(task: ChunkedTask, compute: Compute, side: int) -> tuple[ChunkG
     tone = image_statistics.find_scaling(source, plain, gray, parameters)
     frame = image_statistics.build_parent_image(source, plain, gray) if task.objects else None
     grid = build_grid(shape, parameters, tone.smoothing, side)
-    work = partial(image_statistics.measure_edges, source, tone=tone, parameters=parameters)
+    work = partial(image_statistics.measure_edges, source, tone=tone, scales=parameters.scales)
     whole = image_statistics.combine_statistics(
         tone, sort_results(compute(work, grid.chunks, "edges")), parameters, frame
     )

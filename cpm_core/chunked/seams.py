@@ -17,7 +17,7 @@ import scipy
 from cpm_core.chunked.grid import Chunk, outer_limits
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.grids import label_joined_pairs
-from cpm_core.numerics.types import Array, Extent, Integers
+from cpm_core.numerics.types import Array, Extent
 
 _PIECE_MARGIN = 2.0
 """Distance beyond its core up to which a chunk keeps pieces of contours [px]."""
@@ -65,7 +65,7 @@ def _take_stretches(contour: Contour, lines: Any) -> Iterator[Contour]:
             yield replace(contour, points=points[: len(points) - closed], closed=closed, junctions=(first, last))
 
 
-def join_pieces(pieces: Sequence[Contour], chunks: Integers, least: float) -> list[Contour]:
+def join_pieces(pieces: Sequence[Contour], chunks: Sequence[int], least: float) -> list[Contour]:
     """Join the pieces of all chunks to contours of at least this length; `chunks` holds the chunk of each piece."""
     import shapely
 

@@ -16,6 +16,7 @@ from cpm_core.chunked.image_statistics import (
     ImageStatistics,
     find_sample_spacing,
     measure_gray_ends,
+    measure_strengths,
 )
 from cpm_core.chunked.run import STATISTICS_FILE, Compute, map_chunks, sort_results
 from cpm_core.field.scale_field import WEAKEST_EDGE
@@ -35,7 +36,6 @@ from cpm_core.image.pyramid import build_pyramid
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above
 from cpm_core.model.volume.starts import seeds_everywhere
 from cpm_core.model.volume.state import VolumeState
-from cpm_core.numerics.grids import relative_window
 from cpm_core.numerics.types import Array, Index, Single, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.surface.components import neighbor_distances
@@ -158,20 +158,15 @@ def _build_volume_grid(task: ChunkedTask, smoothing: float, side: int) -> ChunkG
 
 def _measure_chunk_edges(task: ChunkedTask, tone: GrayScaling, chunk: Chunk) -> ChunkEdges:
     """Measure the edges in the core of a chunk at each scale, after a Gaussian."""
-    pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
-    step = BACKGROUND_STRIDE * -(-find_sample_spacing(shape) // BACKGROUND_STRIDE)
-    seen = tone.scale_grays(task.source.read_values(chunk.padded))
-    for scale, values in enumerate(build_pyramid(seen, task.parameters.scales)):
-        strength = VolumeSlopes.from_volume(
-            smooth_volume(values, [tone.smoothing / side for side in pitch]), pitch
-        ).edge_strengths()
-        size = 2**scale
-        own = relative_window(chunk.core, chunk.padded)
-        core = strength[tuple(slice(-(-at.start // size), -(-at.stop // size)) for at in own)]
-        strongest.append(float(core.max(initial=0.0)))
-        some = core[tuple(slice(-(at.start // size) % step, None, step) for at in chunk.core)]
-        samples.append(some.ravel().astype(float))
-    return ChunkEdges(tuple(strongest), tuple(samples))
+    source, pitch = task.source, pitch_of(task.source.levels.spacing)
+    sigmas = [tone.smoothing / side for side in pitch]
+    return measure_strengths(
+        build_pyramid(tone.scale_grays(source.read_values(chunk.padded)), task.parameters.scales),
+        chunk.padded,
+        chunk.core,
+        BACKGROUND_STRIDE * -(-find_sample_spacing(source.shape) // BACKGROUND_STRIDE),
+        lambda values: VolumeSlopes.from_volume(smooth_volume(values, sigmas), pitch).edge_strengths(),
+    )
 
 
 def _find_chunk_particles(volume: ChunkedVolume, chunk: Chunk) -> None:
