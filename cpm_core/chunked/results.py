@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -32,14 +32,6 @@ from cpm_core.parameters.provenance import Provenance, select_parameters
 from cpm_core.results.result import Result
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Everywhere
-
-WRITABLE = {
-    ".zarr": "insides of closed contours as a label image in levels of resolution (OME-Zarr)",
-    ".geojson": "contours for QuPath, a file for each chunk, with its first row and column in the name",
-    ".csv": "a table of what closed contours enclose",
-    ".parquet": "the same table for programs",
-}
-"""Descriptions of the files by suffix."""
 
 
 def write_results(
@@ -178,22 +170,31 @@ def build_provenance(task: ChunkedTask) -> Provenance:
 
 def write_contour_table(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> str:
     """Write a table, with a row for each closed contour."""
+    write_table_parts(path, draft, _in_order(compute(partial(_build_table_columns, found), found.grid.chunks, "table")))
+    return str(path)
+
+
+def _in_order(results: Iterable[tuple[int, Any]]) -> Iterator[Any]:
+    """Put results in the order of their jobs."""
+    early, following = {}, 0
+    for at, result in results:
+        early[at] = result
+        while following in early:
+            yield early.pop(following)
+            following += 1
+
+
+def write_table_parts(path: Path, draft: Path, parts: Iterable[Mapping[str, Array]]) -> None:
+    """Write a table whose parts have the same columns to a draft, in the format of the suffix of its path."""
     import pyarrow
     from pyarrow import csv, parquet
 
-    tables: dict[int, Any] = {}
-    writer, following = None, 0
     make = parquet.ParquetWriter if path.suffix.lower() == ".parquet" else csv.CSVWriter
-    for at, columns in compute(partial(_build_table_columns, found), found.grid.chunks, "table"):
-        tables[at] = columns
-        while following in tables:  # in the order of the chunks
-            table = pyarrow.table(tables.pop(following))
-            writer = writer or make(str(draft), table.schema)
+    with ExitStack() as stack:
+        writer = None
+        for table in map(pyarrow.table, parts):
+            writer = writer or stack.enter_context(make(str(draft), table.schema))
             writer.write_table(table)
-            following += 1
-    if writer is not None:
-        writer.close()
-    return str(path)
 
 
 def _build_table_columns(found: ChunkedContours, chunk: Chunk) -> dict[str, Array]:
@@ -204,8 +205,9 @@ def _build_table_columns(found: ChunkedContours, chunk: Chunk) -> dict[str, Arra
     source, own = found.task.source, [one for one in found.read_chunk_contours(chunk.number) if one.closed]
     levels = source.levels
     low, high = window_limits(expand_window(chunk.core, found.grid.side, found.grid.shape))
-    far = [bool((one.box[0] < low).any() or (one.box[1] > high).any()) for one in own]
-    short, long = ([one for one, is_far in zip(own, far, strict=True) if is_far == wanted] for wanted in (False, True))
+    short, long = [], []
+    for one in own:
+        (short if (one.box[0] >= low).all() and (one.box[1] <= high).all() else long).append(one)
     columns: dict[str, list[Array]] = {"label": [np.array(_number_labels([*short, *long]), np.int64)]}
     for some in (short, long):
         labels: NDArray[Any] = np.zeros((1, 1), np.int64)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.chunked.grid import Chunk
-from cpm_core.chunked.results import build_label_image, build_provenance
+from cpm_core.chunked.results import build_label_image, build_provenance, write_table_parts
 from cpm_core.chunked.run import Compute
 from cpm_core.chunked.volume_surface import ChunkedBodies
 from cpm_core.formats.common.provenance import PROGRAM_NAME, describe_image_provenance, dump_provenance
@@ -16,14 +16,6 @@ from cpm_core.formats.images.ome_zarr import write_window
 from cpm_core.formats.images.resolution import ascii_unit
 from cpm_core.formats.meshes import ply
 from cpm_core.formats.meshes.coordinates import to_file_coordinates
-
-WRITABLE = {
-    ".zarr": "bodies as a label volume in levels of resolution (OME-Zarr)",
-    ".ply": "the surfaces of all bodies, with the number of its body for each triangle",
-    ".csv": "a table of bodies: volume, area, center",
-    ".parquet": "the same table for programs",
-}
-"""Descriptions of the files by suffix."""
 
 
 def write_label_volume(bodies: ChunkedBodies, path: Path, draft: Path, compute: Compute) -> str:
@@ -75,9 +67,6 @@ def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compu
 
 def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> str:
     """Write a table, with a row for each body, lengths in the unit of the volume where it has one."""
-    import pyarrow
-    from pyarrow import csv, parquet
-
     levels = bodies.volume.task.source.levels
     unit = f" [{ascii_unit(levels.unit, '')}" if levels.unit else ""
     columns = {
@@ -87,8 +76,7 @@ def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute)
     }
     for name, place, side in zip(("plane", "row", "col"), bodies.table["center"].T, levels.spacing, strict=True):
         columns[f"center_{name}{unit and unit + ']'}"] = place * side
-    table = pyarrow.table(columns)
-    (parquet.write_table if path.suffix.lower() == ".parquet" else csv.write_csv)(table, str(draft))
+    write_table_parts(path, draft, [columns])
     return str(path)
 
 
