@@ -211,14 +211,15 @@ class Batch:
         remove_abandoned_drafts(output)
         self._earlier = _read_rows(output / SUMMARY_NAME)
         self.rows: dict[int, BatchRow] = {} if again else self._find_done_rows(plain)
+        stems = self._find_free_stems()
         self.jobs = tuple(
-            BatchJob(number, replace(plain, image=image), str(Path(image).absolute()), session, parameters, max_steps,
-                suffixes, str(output.absolute()), kind)
-            for number, image in enumerate(images) if number not in self.rows
+            BatchJob(number, replace(plain, image=images[number]), str(Path(images[number]).absolute()), session,
+                parameters, max_steps,
+                tuple((output.absolute() / choose_file_name(stem, kind, suffix), suffix) for suffix in suffixes), kind)
+            for number, stem in stems.items()
         )  # fmt: skip
-        self._stems = self._find_free_stems()
         # their files will be replaced, and no row may outlive its files if the batch is killed
-        replaced = {name.lower() for stem in self._stems.values() for name in self._name_files(stem)}
+        replaced = {file.name.lower() for job in self.jobs for file, _ in job.files}
         self._earlier = [row for row in self._earlier if replaced.isdisjoint(name.lower() for name in row.files)]
 
     @property
@@ -245,15 +246,15 @@ class Batch:
         return done
 
     def _find_free_stems(self) -> dict[int, str]:
-        """Return file names without suffix for the jobs; none belongs to another image, or is an input."""
+        """Return file names without suffix for the images to do; none belongs to another image, or is an input."""
         own = {Path(make_printable(image)).absolute() for image in self._images}
         others = [row for row in self._earlier if Path(row.image).absolute() not in own]
         taken = {name.lower() for row in (*others, *self.rows.values()) for name in row.files}
         images = {Path(image).resolve() for image in self._images}
         stems: dict[int, str] = {}
         tried: dict[str, int] = {}
-        for job in self.jobs:
-            start = make_printable(Path(job.row.image).stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
+        for number in (number for number in range(len(self._images)) if number not in self.rows):
+            start = make_printable(Path(self._images[number]).stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
             for count in itertools.count(tried.get(start, 1)):
                 stem = start if count == 1 else f"{start}_{count}"
                 names = {name.lower() for name in self._name_files(stem)}
@@ -261,7 +262,7 @@ class Batch:
                     (self._folder / name).resolve() for name in self._name_files(stem)
                 ):
                     break
-            stems[job.number], tried[start] = stem, count
+            stems[number], tried[start] = stem, count
             taken |= names
         return stems
 
@@ -270,12 +271,13 @@ class Batch:
         return tuple(choose_file_name(stem, self._kind, suffix) for suffix in self._suffixes)
 
     def write_results(self, results: Generator[tuple[BatchJob, BatchRow]]) -> Iterator[BatchRow]:
-        """Write the files and the row of each image as it is done, and yield the row; finally sort the table."""
+        """Write the row of each image as it is done, and yield the row; finally sort the table."""
         self._write_table()
         try:
             with closing(results):
                 for job, found in results:
-                    row = self.rows[job.number] = self._write_files(found, self._stems[job.number])
+                    finished = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+                    row = self.rows[job.number] = replace(found, finished=finished)
                     append_bytes(self._folder / SUMMARY_NAME, _format_rows([row]))
                     yield row
         finally:
@@ -283,16 +285,6 @@ class Batch:
             self._write_table()
         for name in self.table_names[1:]:
             self._join_tables(name)
-
-    def _write_files(self, row: BatchRow, stem: str) -> BatchRow:
-        """Write all files of an image, or none."""
-        contents = {choose_file_name(stem, self._kind, suffix): content for suffix, content in row.contents.items()}
-        try:
-            write_together([(self._folder / name, content) for name, content in contents.items()])
-        except ValueError as trouble:
-            row, contents = replace(row, trouble=str(trouble), facts={}), {}
-        finished = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-        return replace(row, files=tuple(contents), contents={}, finished=finished)
 
     def _list_table_rows(self) -> list[BatchRow]:
         """Return the rows of this batch in its order, after earlier ones of other images."""
