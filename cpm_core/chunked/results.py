@@ -35,16 +35,17 @@ from cpm_core.shapes import Everywhere
 
 
 def write_results(
-    found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]
+    found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str | None]]
 ) -> list[str]:
     """Write files by their suffixes, and return the name of each file, or of all its tiles.
 
-    Writers take what was found, a path, a draft to write to until all is written, and how jobs are computed.
+    Writers take what was found, a path, a draft to write to until all is written, and how jobs are computed; they
+    return the name where it is not the path.
     """
     written = []
     for path in map(Path, paths):
         with _open_draft(path) as draft:
-            written.append(writers[path.suffix.lower()](found, path, draft, compute))
+            written.append(writers[path.suffix.lower()](found, path, draft, compute) or str(path))
     return written
 
 
@@ -60,10 +61,9 @@ def _open_draft(path: Path) -> Iterator[Path]:
         draft.replace(path)
 
 
-def write_label_image(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> str:
+def write_label_image(found: ChunkedContours, _: Path, draft: Path, compute: Compute) -> None:
     """Write a label image in levels of resolution."""
     build_label_image(found.task.source, found.grid, draft, partial(_paint_chunk_labels, found, draft), compute)
-    return str(path)
 
 
 def build_label_image(
@@ -168,10 +168,9 @@ def build_provenance(task: ChunkedTask) -> Provenance:
     )
 
 
-def write_contour_table(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> str:
+def write_contour_table(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> None:
     """Write a table, with a row for each closed contour."""
     write_table_parts(path, draft, _in_order(compute(partial(_build_table_columns, found), found.grid.chunks, "table")))
-    return str(path)
 
 
 def _in_order(results: Iterable[tuple[int, Any]]) -> Iterator[Any]:
@@ -205,7 +204,8 @@ def _build_table_columns(found: ChunkedContours, chunk: Chunk) -> dict[str, Arra
     source, own = found.task.source, [one for one in found.read_chunk_contours(chunk.number) if one.closed]
     levels = source.levels
     low, high = window_limits(expand_window(chunk.core, found.grid.side, found.grid.shape))
-    short, long = [], []
+    short: list[Contour] = []
+    long: list[Contour] = []
     for one in own:
         (short if (one.box[0] >= low).all() and (one.box[1] <= high).all() else long).append(one)
     columns: dict[str, list[Array]] = {"label": [np.array(_number_labels([*short, *long]), np.int64)]}
@@ -237,7 +237,7 @@ def _wait_for_jobs(results: Iterable[object]) -> None:
         pass
 
 
-WRITERS: Mapping[str, Callable[..., str]] = {
+WRITERS: Mapping[str, Callable[..., str | None]] = {
     ".zarr": write_label_image,
     ".geojson": write_geojson_tiles,
     **dict.fromkeys((".csv", ".parquet"), write_contour_table),

@@ -57,8 +57,14 @@ def map_chunks(
 ) -> None:
     """Process each of some chunks that has no file of a kind yet."""
     todo = [chunk for chunk in chunks if not store.has_file(chunk_file_name(kind, chunk.number))]
-    for _ in compute(process_chunk, todo, title or kind):
+    for _ in compute(partial(_process_unless_done, process_chunk, store, kind), todo, title or kind):
         pass
+
+
+def _process_unless_done(process_chunk: Callable[[Chunk], None], store: RunStore, kind: str, chunk: Chunk) -> None:
+    """Process a chunk, unless a worker that died has done so."""
+    if not store.has_file(chunk_file_name(kind, chunk.number)):
+        process_chunk(chunk)
 
 
 def survey_image(task: ChunkedTask, compute: Compute, side: int) -> tuple[ChunkGrid, image_statistics.ImageStatistics]:
@@ -88,9 +94,7 @@ def sort_results(results: Iterable[tuple[int, Any]]) -> list[Any]:
 def find_contours_in_chunk(
     task: ChunkedTask, grid: ChunkGrid, statistics: image_statistics.ImageStatistics, chunk: Chunk
 ) -> None:
-    """Find the contours of a chunk and store those that it keeps, unless a worker that died has done so."""
-    if task.store.has_file(chunk_file_name(CONTOURS_KIND, chunk.number)):
-        return
+    """Find the contours of a chunk and store those that it keeps."""
     found, links = find_chunk_contours(task.source, chunk, statistics, task.parameters, task.kind, task.max_steps)
     own, pieces = split_by_core(found, chunk, grid.shape)
     between = [Contour(link, False) for link in links if chunk.owns(link.mean(axis=0))]
@@ -99,12 +103,9 @@ def find_contours_in_chunk(
 
 
 def find_objects_in_chunk(found: ChunkedContours, parent: ParentImage, chunk: Chunk) -> None:
-    """Find the objects between contours in a chunk and store them, unless a worker that died has done so."""
-    store = found.task.store
-    if not store.has_file(chunk_file_name(OBJECTS_KIND, chunk.number)):
-        store.save(
-            chunk_file_name(OBJECTS_KIND, chunk.number), **pack_contours(find_chunk_objects(found, parent, chunk))
-        )
+    """Find the objects between contours in a chunk and store them."""
+    contours = find_chunk_objects(found, parent, chunk)
+    found.task.store.save(chunk_file_name(OBJECTS_KIND, chunk.number), **pack_contours(contours))
 
 
 def _join_across_seams(store: RunStore, grid: ChunkGrid, least: float) -> Integers:

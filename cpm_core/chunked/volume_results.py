@@ -18,12 +18,11 @@ from cpm_core.formats.meshes import ply
 from cpm_core.formats.meshes.coordinates import to_file_coordinates
 
 
-def write_label_volume(bodies: ChunkedBodies, path: Path, draft: Path, compute: Compute) -> str:
+def write_label_volume(bodies: ChunkedBodies, _: Path, draft: Path, compute: Compute) -> None:
     """Write a label volume in levels of resolution."""
     build_label_image(
         bodies.volume.task.source, bodies.grid, draft, partial(_paint_body_labels, bodies, draft), compute
     )
-    return str(path)
 
 
 def _paint_body_labels(bodies: ChunkedBodies, path: Path, chunk: Chunk) -> None:
@@ -35,7 +34,7 @@ def _paint_body_labels(bodies: ChunkedBodies, path: Path, chunk: Chunk) -> None:
         write_window(path, 0, chunk.core, of_part[bodies.regions.read_window(chunk.core)])
 
 
-def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> str:
+def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> None:
     """Write the surfaces of all bodies, chunk by chunk; triangles of neighboring chunks have the same corners."""
     task, grid = bodies.volume.task, bodies.grid
     levels = task.source.levels
@@ -62,10 +61,9 @@ def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compu
             found = index[order][np.searchsorted(known, corners, sorter=order)]
             file.write(ply.encode_ply_triangles(found[:, ::-1], numbers))  # reversing the axes mirrors them
     draft.with_suffix(".vertices").unlink()
-    return str(path)
 
 
-def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> str:
+def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> None:
     """Write a table, with a row for each body, lengths in the unit of the volume where it has one."""
     levels = bodies.volume.task.source.levels
     unit = f" [{ascii_unit(levels.unit, '')}" if levels.unit else ""
@@ -77,7 +75,6 @@ def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute)
     for name, place, side in zip(("plane", "row", "col"), bodies.table["center"].T, levels.spacing, strict=True):
         columns[f"center_{name}{unit and unit + ']'}"] = place * side
     write_table_parts(path, draft, [columns])
-    return str(path)
 
 
 WRITERS = {

@@ -172,8 +172,6 @@ def _measure_chunk_edges(task: ChunkedTask, tone: GrayScaling, chunk: Chunk) -> 
 def _find_chunk_particles(volume: ChunkedVolume, chunk: Chunk) -> None:
     """Run in a chunk, and store the particles that it owns."""
     task, corner = volume.task, np.array([side.start for side in chunk.padded])
-    if task.store.has_file(chunk_file_name(PARTICLES_KIND, chunk.number)):
-        return
     levels, normals, distances = _run_in_chunk(volume, chunk)
     points = levels.points + corner
     own = np.flatnonzero(volume.grid.find_chunk_numbers(points) == chunk.number) if len(points) else np.empty(0, int)
