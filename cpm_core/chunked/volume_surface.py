@@ -42,7 +42,7 @@ from cpm_core.reconstruction.surface.components import (
     vote_on_unknown_regions,
 )
 from cpm_core.reconstruction.surface.joints import RAISED_HEIGHT, SaddleSurroundings, bridge_necks, bridge_thin_vessels
-from cpm_core.reconstruction.surface.local_threshold import LocalThresholds, VoxelBox, height_over_threshold
+from cpm_core.reconstruction.surface.local_threshold import VoxelBox, height_over_threshold
 from cpm_core.reconstruction.surface.pipeline import width_and_band
 
 _MAX_HEIGHT = np.float32(2**18)
@@ -200,16 +200,6 @@ def compute_heights(volume: ChunkedVolume, apart: float, compute: Compute) -> Ed
     return EdgeHeights(volume, apart, np.cumsum([0, *counts]), heights, -1.0 if 2 * bright > total else 1.0)
 
 
-def _load_particles_near(
-    volume: ChunkedVolume, chunk: Chunk, window: Window, margin: float
-) -> tuple[LocalThresholds, Array]:
-    """Load the particles around a window, in voxels of what a chunk sees."""
-    low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T
-    levels, normals = volume.load_particles(chunk, low, high)
-    corner = [side.start for side in chunk.padded]
-    return LocalThresholds(levels.points - corner, levels.thresholds, levels.slopes), normals
-
-
 def _compute_chunk_height(regions: _NumberedRegions, apart: float, chunk: Chunk) -> None:
     """Compute the height in a chunk, and number the regions away from particles in it and a voxel beyond; store both.
 
@@ -218,7 +208,7 @@ def _compute_chunk_height(regions: _NumberedRegions, apart: float, chunk: Chunk)
     volume = regions.volume
     beyond = _extended_core(volume, chunk)
     width, band = width_and_band(apart)
-    levels, _ = _load_particles_near(volume, chunk, beyond, max(_GAUSSIAN_REACH * width, band) + _PARTICLE_MARGIN)
+    levels, _ = volume.load_particles(chunk, beyond, max(_GAUSSIAN_REACH * width, band) + _PARTICLE_MARGIN)
     if len(levels.points):
         begin = np.array([side.start - 1 for side in relative_window(beyond, chunk.padded)])
         box = VoxelBox(begin, tuple(n + 2 for n in window_shape(beyond)))  # type: ignore[arg-type]
@@ -259,7 +249,7 @@ def find_necks(heights: EdgeHeights, compute: Compute) -> None:
 
 def _find_chunk_necks(heights: EdgeHeights, chunk: Chunk) -> None:
     volume, raised = heights.volume, [np.empty((0, 3), np.int64)]
-    levels, normals = _load_particles_near(volume, chunk, chunk.padded, 0.0)
+    levels, normals = volume.load_particles(chunk, chunk.padded, 0.0)
     if len(levels.points):
         found = heights.read_window(tuple(slice(side.start - 1, side.stop + 1) for side in chunk.padded))
         smoothed, begin = volume.smooth_chunk(chunk), np.array([-1, -1, -1])
@@ -444,8 +434,8 @@ def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels
     stops = [side.stop for side in chunk.core]
     own = np.flatnonzero((low + corner < stops).all(axis=1))
     own = own[np.argsort(names[own])]
-    levels, _ = _load_particles_near(
-        volume, chunk, _extended_core(volume, chunk), heights.particle_distance / volume.voxel_sides.min()
+    levels, _ = volume.load_particles(
+        chunk, _extended_core(volume, chunk), heights.particle_distance / volume.voxel_sides.min()
     )
     points = (levels.points + [side.start for side in chunk.padded]) * volume.voxel_sides
     mine = points[volume.grid.find_chunk_numbers(points / volume.voxel_sides) == chunk.number]

@@ -235,7 +235,8 @@ def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:
 def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe contours, as values by name and as sentences."""
     facts: JsonDict = {
-        **collect_run_facts(result, seconds),
+        **collect_run_facts(result),
+        "seconds": round(seconds, 3),
         "faces": len(result.faces),
         "bridges": len(result.bridges),
         PROVENANCE_KEY: describe_provenance(result),
@@ -276,7 +277,8 @@ def _describe_surface(result: Result, shown: Result, seconds: float) -> tuple[Js
     surface = shown.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts: JsonDict = {
-        **collect_run_facts(result, seconds),
+        **collect_run_facts(result),
+        "seconds": round(seconds, 3),
         "vertices": vertices,
         "faces": faces,
         "volume": round(surface.volume, 3) if surface is not None and surface.closed else None,

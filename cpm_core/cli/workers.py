@@ -109,7 +109,7 @@ def run_job(job: BatchJob) -> BatchRow:
         image = load_session_image(job.path, job.session)
         parameters, small = fit_scales_to_image(job.parameters, image)
         shown = result = run(image, job.session, parameters, job.max_steps)
-        facts = collect_run_facts(result, 0.0)
+        facts = collect_run_facts(result)
         if job.kind == "objects":
             facts["objects"], facts["likely"] = len(result.objects), sum(map(is_likely, result.objects))
             shown = replace_by_objects(result, result.objects, job.session.objects)
