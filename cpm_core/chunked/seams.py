@@ -22,7 +22,7 @@ from cpm_core.numerics.types import Array, Extent
 _PIECE_MARGIN = 2.0
 """Distance beyond its core up to which a chunk keeps pieces of contours [px]."""
 
-_CLEAR_MARGIN = 3.0
+_UNSHARED_MARGIN = 3.0
 """Distance from the border of its core from which on only one chunk sees a contour in or near its core [px]."""
 
 _SAME_BOUNDARY_DISTANCE = 0.5
@@ -38,7 +38,7 @@ def split_by_core(contours: Sequence[Contour], chunk: Chunk, shape: Extent) -> t
     own: list[Contour] = []
     pieces: list[Contour] = []
     for one in contours:
-        if (one.box[0] >= low + _CLEAR_MARGIN).all() and (one.box[1] <= high - _CLEAR_MARGIN).all():
+        if (one.box[0] >= low + _UNSHARED_MARGIN).all() and (one.box[1] <= high - _UNSHARED_MARGIN).all():
             own.append(one)
         else:
             pieces += clip_contour(one, low - _PIECE_MARGIN, high + _PIECE_MARGIN)
