@@ -48,9 +48,13 @@ def find_chunk_objects(found: ChunkedContours, parent: ParentImage, chunk: Chunk
         parts = ImageParts.from_partition(Partition(image, tuple(lines), parent=here, links=links))
         if not is_cut and parts.is_settled(relative_window(chunk.core, window)):
             break
-    own = (one for one in find_objects_in_parts(parts) if chunk.owns((true_bounds(one.mask) + corner).mean(axis=0)))
+    own = []
+    for each in find_objects_in_parts(parts):
+        middle = (true_bounds(each.mask) + corner).mean(axis=0)
+        if found.grid.find_chunk_numbers(middle[None]) == chunk.number:
+            own.append(each.contours)
     return [
         Contour(line.points + corner, True, line.strength, hole=line.hole, group=number)
-        for number, one in enumerate(own, start=1)
-        for line in one.contours
+        for number, contours in enumerate(own, start=1)
+        for line in contours
     ]

@@ -84,11 +84,6 @@ class Chunk:
     core: Window
     padded: Window
 
-    def owns(self, place: Array) -> bool:
-        """Return whether a place, shape (D,) [px], is in the core."""
-        low, high = window_limits(self.core)
-        return bool(((place >= low) & (place < high)).all())
-
 
 def window_limits(window: Window) -> Array:
     """Return where a window begins and ends, shape (2, D) [px]; centers of pixels are whole numbers."""
@@ -152,12 +147,9 @@ class ChunkGrid:
         """Find the numbers of the chunks whose cores have pixels in a window."""
         return [number for number, _ in self.split_window(window)]
 
-    def find_neighbors(self, number: int) -> list[int]:
+    def find_neighbors(self, chunk: Chunk) -> list[int]:
         """Find the numbers of a chunk and of its neighbors."""
-        at = np.array(np.unravel_index(number, self.counts)).tolist()
-        near = np.ix_(*(range(max(k - 1, 0), min(k + 2, n)) for k, n in zip(at, self.counts, strict=True)))
-        found: list[int] = np.ravel_multi_index(near, self.counts).ravel().tolist()
-        return found
+        return self.find_chunks_in(expand_window(chunk.core, 1, self.shape))
 
 
 def disturbed_margin(smoothing: float) -> int:

@@ -95,9 +95,10 @@ def find_contours_in_chunk(
     task: ChunkedTask, grid: ChunkGrid, statistics: image_statistics.ImageStatistics, chunk: Chunk
 ) -> None:
     """Find the contours of a chunk and store those that it keeps."""
-    found, links = find_chunk_contours(task.source, chunk, statistics, task.parameters, task.kind, task.max_steps)
+    found, links = find_chunk_contours(task, statistics, chunk)
     own, pieces = split_by_core(found, chunk, grid.shape)
-    between = [Contour(link, False) for link in links if chunk.owns(link.mean(axis=0))]
+    middles = np.array([link.mean(axis=0) for link in links]).reshape(-1, 2)
+    between = [Contour(links[n], False) for n in np.flatnonzero(grid.find_chunk_numbers(middles) == chunk.number)]
     arrays = pack_contours(own) | pack_contours(pieces, "piece") | pack_contours(between, "link")
     task.store.save(chunk_file_name(CONTOURS_KIND, chunk.number), **arrays)
 

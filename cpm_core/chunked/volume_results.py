@@ -53,7 +53,7 @@ def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compu
         while some := vertices.read(2**24):
             file.write(some)
         for chunk in grid.chunks:
-            near = [at for at in grid.find_neighbors(chunk.number) if at >= chunk.number]
+            near = [at for at in grid.find_neighbors(chunk) if at >= chunk.number]
             known = np.concatenate([names[at] for at in near])
             index = np.concatenate([firsts[at] + np.arange(len(names[at])) for at in near])
             order = np.argsort(known)

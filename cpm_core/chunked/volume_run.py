@@ -95,7 +95,7 @@ class ChunkedVolume:
 
         Returns the levels of N particles and unit normals, shape (N, 3), that point away from bright.
         """
-        files = (chunk_file_name(PARTICLES_KIND, at) for at in self.grid.find_neighbors(chunk.number))
+        files = (chunk_file_name(PARTICLES_KIND, at) for at in self.grid.find_neighbors(chunk))
         rows = np.concatenate([_NO_PARTICLES, *(self.task.store.load(file, "particles")["particles"]
                                                 for file in files if self.task.store.has_file(file))])  # fmt: skip
         low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T

@@ -397,7 +397,7 @@ def _number_chunk_parts(files: _NumberedRegions, heights: EdgeHeights, chunk: Ch
     outer = tuple(slice(side.start - 1, side.stop + 1) for side in window)
     found = heights.read_window(outer)
     corner = np.array([side.start for side in outer])
-    for at in grid.find_neighbors(chunk.number):
+    for at in grid.find_neighbors(chunk):
         voxels = store.load(chunk_file_name(_NECKS_KIND, at))["raised"] - corner
         raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
         found[raised] = np.maximum(found[raised], RAISED_HEIGHT)
