@@ -267,8 +267,7 @@ def test_no_part_of_a_large_library_is_named_where_a_module_is_loaded():
 SHARED_CONSTANTS = {
     "LOG": "each module has its own logger",
     "FILE_KINDS": "the reader of each format of images says what it reads",
-    "WRITABLE": "the results of images and of volumes in chunks are modules with the same face",
-    "WRITERS": "the same",
+    "WRITERS": "the results of images and of volumes in chunks are modules with the same face",
 }
 """Names of constants that several modules define all the same, and why."""
 

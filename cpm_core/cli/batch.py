@@ -247,28 +247,23 @@ class Batch:
 
     def _find_free_stems(self) -> dict[int, str]:
         """Return file names without suffix for the images to do; none belongs to another image, or is an input."""
-        own = {Path(make_printable(image)).absolute() for image in self._images}
+        folder, own = self._folder.resolve(), {Path(make_printable(image)).absolute() for image in self._images}
         others = [row for row in self._earlier if Path(row.image).absolute() not in own]
-        taken = {name.lower() for row in (*others, *self.rows.values()) for name in row.files}
-        images = {Path(image).resolve() for image in self._images}
+        files = [folder / name for row in (*others, *self.rows.values()) for name in row.files]
+        taken = {str(file).lower() for file in (*files, *(Path(image).resolve() for image in self._images))}
         stems: dict[int, str] = {}
         tried: dict[str, int] = {}
         for number in (number for number in range(len(self._images)) if number not in self.rows):
             start = make_printable(Path(self._images[number]).stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
             for count in itertools.count(tried.get(start, 1)):
                 stem = start if count == 1 else f"{start}_{count}"
-                names = {name.lower() for name in self._name_files(stem)}
-                if taken.isdisjoint(names) and images.isdisjoint(
-                    (self._folder / name).resolve() for name in self._name_files(stem)
-                ):
+                named = (folder / choose_file_name(stem, self._kind, suffix) for suffix in self._suffixes)
+                names = {str(file).lower() for file in named}
+                if taken.isdisjoint(names):
                     break
             stems[number], tried[start] = stem, count
             taken |= names
         return stems
-
-    def _name_files(self, stem: str) -> Texts:
-        """Return the names of the files of an image whose names begin with a stem."""
-        return tuple(choose_file_name(stem, self._kind, suffix) for suffix in self._suffixes)
 
     def write_results(self, results: Generator[tuple[BatchJob, BatchRow]]) -> Iterator[BatchRow]:
         """Write the row of each image as it is done, and yield the row; finally sort the table."""
