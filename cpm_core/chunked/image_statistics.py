@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,8 +26,8 @@ from cpm_core.image.gray_levels import (
     merge_gray_ends,
 )
 from cpm_core.image.pyramid import build_pyramid
-from cpm_core.numerics.grids import Window, expand_window, relative_window, whole_window
-from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
+from cpm_core.numerics.grids import Window, bounding_window, expand_window, relative_window, whole_window
+from cpm_core.numerics.types import Array, Arrays, Extent, Integers, JsonDict, frozen
 from cpm_core.objects.partition import ParentImage
 from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
 from cpm_core.parameters import Parameters
@@ -107,22 +107,21 @@ class ImageStatistics:
     parent: ParentImage | None = None
 
     @property
-    def arrays(self) -> dict[str, tuple[float, ...]]:
+    def arrays(self) -> JsonDict:
         """The statistics as arrays to be stored."""
-        tone = self.scaling
-        range_ = (tone.low, tone.high, tone.exponent, tone.smoothing)
         judged = () if self.parent is None else (*self.parent.gray_range, self.parent.smoothing)
-        found = {"strongest": self.strongest, "floor": self.floor, "judged": judged}
-        return {"tone": range_, "inside": tone.inside, **found}
+        return {**asdict(self.scaling), "strongest": self.strongest, "floor": self.floor, "judged": judged}
 
     @classmethod
-    def from_arrays(cls, numbers: Mapping[str, Array], shape: Extent) -> ImageStatistics:
+    def from_arrays(cls, arrays: Mapping[str, Array], shape: Extent) -> ImageStatistics:
         """Build from stored arrays and the shape of the image."""
-        low, high, exponent, smoothing = numbers["tone"].tolist()
-        inside, strongest, floor = (tuple(numbers[name].tolist()) for name in ("inside", "strongest", "floor"))
-        judged = numbers["judged"].tolist()
-        frame = ParentImage(shape, (0, 0), tuple(judged[:2]), judged[2]) if judged else None
-        return cls(GrayScaling(low, high, exponent, smoothing, inside), strongest, floor, frame)
+        plain: JsonDict = {
+            name: tuple(values.tolist()) if values.ndim else float(values) for name, values in arrays.items()
+        }
+        scaling = GrayScaling(*(plain[field.name] for field in fields(GrayScaling)))
+        *gray_range, smoothing = plain["judged"] or (None,)
+        parent = None if smoothing is None else ParentImage(shape, (0, 0), tuple(gray_range), smoothing)
+        return cls(scaling, plain["strongest"], plain["floor"], parent)
 
     def impose_on_field(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
         """Impose what depends on the whole image on the field of a chunk whose first pixel is `corner` of the image."""
@@ -174,27 +173,28 @@ def find_scaling(
     low, high = merge_gray_ends(one.ends for one in seen).usable
     sample = limit_to_usable(np.concatenate([one.sample for one in seen]), (low, high))
     exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
-    side, coarse, smoothing = find_block_side(grid.shape), _assemble_coarse_image(grid, seen), parameters.smoothing
+    tone, smoothing = GrayScaling(low, high, exponent, 0.0, ()), parameters.smoothing
+    side, coarse = find_block_side(grid.shape), _assemble_coarse_image(grid, seen)
     if smoothing == "auto":
-        smoothing = _find_smoothing(source, coarse, GrayScaling(low, high, exponent, 0.0, (0, 0, 0, 0)))
+        smoothing = _find_smoothing(source, coarse, tone)
     sigma = max(float(smoothing) / side, 1.0 if side > 1 else 0.0)
-    slopes = smoothed_gradient(GrayScaling(low, high, exponent, sigma, (0, 0, 0, 0)).scale_grays(coarse), sigma)
+    slopes = smoothed_gradient(tone.scale_grays(coarse), sigma)
     inside = find_pixels_inside_border(
         lambda part: slopes[(slice(None), *part)], vector_magnitudes(slopes), sigma, parameters.max_border
     )
-    ends = []
-    for axis, n in enumerate(grid.shape):
-        free = np.flatnonzero(inside.any(axis=1 - axis))
-        first, end = (int(free[0]), int(free[-1]) + 1) if len(free) else (0, 0)
-        ends.append((first * side, n if end == inside.shape[axis] else end * side))
-    (top, bottom), (left, right) = ends
-    return GrayScaling(low, high, exponent, float(smoothing), (top, left, bottom, right))
+    free = bounding_window(inside) if inside.any() else (slice(0, 0), slice(0, 0))
+    begin = (part.start * side for part in free)
+    end = (
+        n if part.stop == blocks else part.stop * side
+        for part, blocks, n in zip(free, inside.shape, grid.shape, strict=True)
+    )
+    return replace(tone, smoothing=float(smoothing), inside=(*begin, *end))
 
 
 def build_parent_image(source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGrayLevels]) -> ParentImage:
     """Describe the image that objects are judged in, from the gray levels of the chunks in the order of the grid."""
     grays = measure_gray_range(np.concatenate([one.sample for one in seen]))
-    plain = GrayScaling(-math.inf, math.inf, 1.0, 0.0, (0, 0, 0, 0))
+    plain = GrayScaling(-math.inf, math.inf, 1.0, 0.0, ())
     return ParentImage(grid.shape, (0, 0), grays, _find_smoothing(source, _assemble_coarse_image(grid, seen), plain))
 
 
