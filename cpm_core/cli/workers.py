@@ -44,6 +44,9 @@ _PROCESS_DIED = "The process that worked on it ended unexpectedly; perhaps there
 BatchKind = Literal["objects", "contours"]
 """What is written of each image."""
 
+NamedFiles = tuple[tuple[Path, str], ...]
+"""Files to write, each with the suffix of its format."""
+
 
 @frozen
 class BatchRow:
@@ -98,7 +101,7 @@ class BatchJob:
     session: SessionFile  # start, regions and charges
     parameters: Parameters
     max_steps: int | None
-    files: tuple[tuple[Path, str], ...]  # files to write, each with the suffix of its format
+    files: NamedFiles
     kind: BatchKind = "objects"
 
 

@@ -155,16 +155,7 @@ def compute_luminance(channels: Numbers) -> Array:
 
 
 def gray_from_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Array, str]:
-    """Compute gray levels, shape (H, W), by one of `COLOR_CHOICES`, and a sentence that states it.
-
-    Raises
-    ------
-    ValueError
-        When there is no such choice.
-    """
-    check_color_choice(color)
-    if color == LUMINANCE_CHOICE:
-        return luminance, LUMINANCE_NOTE
+    """Compute gray levels, shape (H, W), by another one of `COLOR_CHOICES` than luminance, and say so in a sentence."""
     varies = ""
     if color == CONTRAST_CHOICE:
         spread = [float(colors.samples[..., place].std(dtype=np.float64)) for place in range(len(_PRIMARY_COLORS))]
