@@ -2,9 +2,9 @@
 
 The tree halves boxes at the middle of their longest side, each drawn tightly around its particles, so that it resolves
 clusters of any density. On the particles of a leaf, a box that is far away for its size acts by charges on a grid of
-nodes in it, such that the polynomial through the force of the nodes is that of its particles (Fong and Darve
-2009, doi:10.1016/j.jcp.2009.08.031); boxes that are near act by their particles. All of these are summed in one loop, pair by
-pair. Each leaf is computed by one thread, in the same order on any number of them.
+nodes in it: their force is that of its particles, interpolated by polynomials (Fong and Darve 2009,
+doi:10.1016/j.jcp.2009.08.031). Boxes that are near act by their particles. All of these are summed in one loop, pair
+by pair. Each leaf is computed by one thread, in the same order on any number of them.
 """
 
 from __future__ import annotations
@@ -168,12 +168,12 @@ def _sum_by_tree(sites: Array, force: Array) -> None:
     """Approximate the sums over all pairs, for particles at `sites`, shape (D, N), which are sorted."""
     axes, count = sites.shape
     most, order = 2 * count, np.arange(count)
-    counts, places = np.zeros((2, most), np.int64), np.zeros((2, most, axes))
-    boxes = _Boxes(np.zeros((most, 2), np.int64), *counts, *places, np.zeros((0, _NODES**axes)))
+    half, spots = np.zeros((2, most), np.int64)
+    middle, reach = np.zeros((2, most, axes))
+    boxes = _Boxes(np.zeros((most, 2), np.int64), half, spots, middle, reach, np.zeros((most, _NODES**axes)))
     made = _halve_boxes(sites, order, boxes)
-    boxes = _Boxes(*(part[:made] for part in boxes[:-1]), np.zeros((made, _NODES**axes)))
-    _spread_charges(sites, boxes)
-    leaves = np.flatnonzero(boxes.half == 0)
+    _spread_charges(sites, boxes, made)
+    leaves = np.flatnonzero(half[:made] == 0)
     run_in_parallel(partial(_sum_leaves, sites, order, boxes, leaves, force), len(leaves), 1)
 
 
@@ -233,12 +233,12 @@ def _append_particles(sites: Array, boxes: _Boxes, k: int, sources: Array, charg
 
 
 @compiled
-def _spread_charges(sites: Array, boxes: _Boxes) -> None:
+def _spread_charges(sites: Array, boxes: _Boxes, made: int) -> None:
     """Spread the particles of each leaf, and what both halves of other boxes act by, over the nodes of the box."""
     axes, nodes = len(sites), boxes.charge.shape[1]
     sources, charges = np.empty((axes, sites.shape[1])), np.empty(sites.shape[1])
     weights = np.empty((axes, _NODES))
-    for k in range(len(boxes.half) - 1, -1, -1):
+    for k in range(made - 1, -1, -1):
         half, length = boxes.half[k], 0
         boxes.spots[k] = 1 if boxes.reach[k].max() == 0.0 else boxes.span[k, 1] - boxes.span[k, 0]
         if half:
