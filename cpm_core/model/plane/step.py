@@ -37,7 +37,6 @@ from cpm_core.model.plane.births import (
 from cpm_core.model.plane.enclosed_regions import MAX_PLANE_RESEEDINGS, reseeding_places
 from cpm_core.model.plane.motion import (
     MovedParticles,
-    current_mesh_force,
     edge_contact_at,
     hold_at_barriers,
     is_at_rest,
@@ -192,8 +191,7 @@ def move_particles(
     `idle`, shape (N,), counts the steps since cells near each particle were newly covered.
     """
     particles, step = state.particles, state.step_of_scale
-    mesh = current_mesh_force(state, idle, scale_field, parameters)
-    moved = move_in_plane(particles, idle, mesh, scale_field, parameters)
+    moved = move_in_plane(particles, idle, scale_field, parameters)
     held = hold_at_barriers(scale_field.barrier_map, particles, moved.particles)
     if held is not moved.particles:
         moved = MovedParticles.held_at(held, particles.position)
@@ -204,7 +202,6 @@ def move_particles(
     state = replace(
         state,
         particles=moved.particles,
-        mesh=mesh,
         step=state.step + 1,
         step_of_scale=step + 1,
         born=0,
@@ -340,12 +337,11 @@ def plane_forces(
     """
     particles, idle = state.particles, idle_steps_of(state, charged, parameters)
     chosen = particles.select(which)
-    mesh = current_mesh_force(state, idle, scale_field, parameters)
     lorentz = parameters.w2 * interpolate_field(scale_field.lorentz, chosen.position)
     placed = parameters.w2 * interpolate_field(charged.lorentz, chosen.position) - lorentz
     idle_there = idle[which]
     apart, applied = (
-        move_in_plane(particles, idle, mesh, field, parameters).particles.force[which, 0]
+        move_in_plane(particles, idle, field, parameters).particles.force[which, 0]
         for field in (replace(charged, force=lambda: _NO_EDGES), charged)
     )
     coulomb = np.where((idle_there < FADED_STEPS)[:, None], apart - (parameters.w2, 0.0), 0.0)
