@@ -17,8 +17,8 @@ from cpm_core.chunked.image_statistics import (
     measure_gray_ends,
 )
 from cpm_core.chunked.run import STATISTICS_FILE, ChunkedTask, Compute, chunk_file_name, map_chunks, sort_results
+from cpm_core.field.edge_map import volume_edge_map
 from cpm_core.field.scale_field import WEAKEST_EDGE
-from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import (
     BACKGROUND_STRIDE,
     SmoothedVolume,
@@ -133,7 +133,7 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
             looked[sigma] = sort_results(compute(work, _build_volume_grid(task, sigma, side).chunks, "edges"))
         background = noise_strength(np.concatenate([one.samples[scale] for one in looked[sigma]]))
         strongest = max(one.strongest[scale] for one in looked[sigma])
-        return SmoothedVolume(sigma, np.empty((0, 0, 0), np.float32), strongest, background)
+        return SmoothedVolume(sigma, *np.empty((2, 0, 0, 0), np.float32), strongest, background)
 
     smoothing = parameters.smoothing
     sigma = automatic_edges(measure_edges).sigma if smoothing == "auto" else float(smoothing)
@@ -161,9 +161,7 @@ def _measure_chunk_edges(task: ChunkedTask, tone: GrayScaling, chunk: Chunk) -> 
     step = BACKGROUND_STRIDE * -(-find_sample_spacing(shape) // BACKGROUND_STRIDE)
     seen = tone.scale_grays(task.source.read_values(chunk.padded))
     for scale, values in enumerate(build_pyramid(seen, task.parameters.scales)):
-        strength = VolumeSlopes.from_volume(
-            smooth_volume(values, [tone.smoothing / side for side in pitch]), pitch
-        ).edge_strengths()
+        strength = volume_edge_map(smooth_volume(values, [tone.smoothing / side for side in pitch]), pitch)
         size = 2**scale
         own = relative_window(chunk.core, chunk.padded)
         core = strength[tuple(slice(-(-at.start // size), -(-at.stop // size)) for at in own)]
@@ -223,5 +221,5 @@ def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[LocalThresholds,
     points = state.position[state.particles.on_surface]
     if not len(points):
         return nothing
-    levels, normals = find_local_thresholds(field.smoothed, field.edges, points, volume.voxel_sides, field.smoothing)
+    levels, normals = find_local_thresholds(field.smoothed, field.edge_map, points, volume.voxel_sides, field.smoothing)
     return levels, normals, neighbor_distances(levels.points * volume.voxel_sides)

@@ -23,9 +23,8 @@ import numpy as np
 from cpm_core.field.interpolation import normal_at
 from cpm_core.field.placed_charges import NO_PLACED_CHARGES, ChargesAtScale, find_torn_off
 from cpm_core.field.scale_field import EDGE_END_FRACTION
-from cpm_core.field.volume_edges import EdgeBricks, edge_at
 from cpm_core.field.volume_field import VolumeField
-from cpm_core.field.volume_surface import face_same_way, is_ridge, project_to_ridge
+from cpm_core.field.volume_surface import edge_at, face_same_way, is_ridge, project_to_ridge
 from cpm_core.model.equations import DELETION_DISTANCE
 from cpm_core.model.volume.motion import (
     MIN_CELL_SIDE,
@@ -144,7 +143,7 @@ _SURFACE_SEARCHES_PER_THREAD = 100
 _Sheets = tuple[Array, Array, Mask, Array]
 """Positions of the particles, normals, which are seated, and edge strengths."""
 
-_Edge = tuple[Single, EdgeBricks, Vector, float]
+_Edge = tuple[Single, Single, Vector, float]
 """Smoothed volume, edge map, sides of a voxel, and least edge strength."""
 
 _Search = tuple[VolumeCells, Index, _Sheets, _Edge, Array, Index]
@@ -179,7 +178,7 @@ def find_surface_insertions(
     looks[looking] = True
     found, count = np.empty((len(looking), _MAX_NEW_AROUND, 7)), np.zeros(len(looking), np.int64)
     sheets = (particles.position, particles.normal, particles.on_surface, particles.strength)
-    edge = (field.smoothed, field.edges, field.pitch, field.floor)
+    edge = (field.smoothed, field.edge_map, field.pitch, field.floor)
     search = partial(_search_places, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
     run_in_parallel(search, len(looking), _SURFACE_SEARCHES_PER_THREAD)
     places, parents = found[np.arange(_MAX_NEW_AROUND) < count[:, None]], np.repeat(looking, count)

@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.field.placed_charges import NO_PLACED_CHARGES, ChargesAtScale, placed_force
-from cpm_core.field.volume_edges import EdgeBricks
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import ON_RIDGE_SLOPE, face_same_way, volume_force_at
 from cpm_core.image.volume_regions import Walls
@@ -162,7 +161,7 @@ _SECOND_NEIGHBOR_DISTANCE = 4.0
 MIN_SQUARED_DISTANCE = 1e-4
 """Least squared distance of two particles in their force and energy [units^2]."""
 
-_Fields = tuple[Single, EdgeBricks, Single]
+_Fields = tuple[Single, Single, Single]
 """Smoothed volume, edge map, and far field."""
 
 _Grid = tuple[Vector, Vector, float, float]
@@ -232,7 +231,7 @@ def force_parts(
 def _gather_surroundings(field: VolumeField, law: Parameters, placed: ChargesAtScale) -> _Felt:
     """Collect everything that acts on particles except each other."""
     return (
-        (field.smoothed, field.edges, field.far_field.force),
+        (field.smoothed, field.edge_map, field.far_field.force),
         (field.pitch, field.far_field.block, field.floor, placed.radius),
         placed.charges,
         (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),
