@@ -95,9 +95,6 @@ MIN_PAIR_SQUARED = 1e-10
 """Squared distance below which two particles are at the same position: a bound instead of a branch keeps the loop on
 vector registers, and such a pair adds its vanishing distance, which is nothing."""
 
-MIN_ENERGY_DISTANCE = 0.1
-"""Least distance of two particles in their energy [px], which thus stays finite."""
-
 _INFINITY_BITS = np.float32(np.inf).view(np.int32)
 """Bits of infinity."""
 
@@ -169,19 +166,3 @@ def pair_sums(near: Single, bits: Bits, length: int, first: int, last: int, reac
         bits[0], bits[1] = nearest, nearest if ties > 1 else second
         n = i - first
         sums[n, 0], sums[n, 1], sums[n, 2], sums[n, 3] = f_y, f_x, near[2, 0], near[2, 1]
-
-
-@compiled
-def pair_energy(cells: PlaneCells, reach: float) -> float:
-    """Return the sum of ``1/r - 1/R`` over the pairs nearer than R."""
-    total = 0.0
-    for k in range(len(cells.y)):
-        y, x = cells.y[k], cells.x[k]
-        top, bottom, left, right = cells_around(cells, y, x, reach)
-        for row in range(top, bottom + 1):
-            first, last = row_of_cells(cells, row, left, right)
-            for j in range(max(first, k + 1), last):
-                squared = (cells.y[j] - y) ** 2 + (cells.x[j] - x) ** 2
-                if squared < reach**2:
-                    total += 1.0 / max(np.sqrt(squared), MIN_ENERGY_DISTANCE) - 1.0 / reach
-    return total

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import interpolate_field
-from cpm_core.field.placed_charges import charge_radius_at, near_charges, placed_forces, placed_potential
+from cpm_core.field.placed_charges import charge_radius_at, near_charges, placed_forces
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import idle_steps_at, mark_covered
@@ -26,7 +26,7 @@ from cpm_core.model.equations import (
     is_quiet,
 )
 from cpm_core.model.interventions import start_scale
-from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
+from cpm_core.model.measures import Energies, Forces, measure_energies
 from cpm_core.model.plane.births import (
     examine_contacts,
     find_insertions,
@@ -42,11 +42,11 @@ from cpm_core.model.plane.motion import (
     is_at_rest,
     move_in_plane,
 )
-from cpm_core.model.plane.repulsion import build_plane_cells, pair_energy
+from cpm_core.model.plane.repulsion import build_plane_cells
 from cpm_core.model.plane.state import PlaneState
-from cpm_core.model.state import HISTORY_STEPS, Particles
-from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.model.starts import is_inside_image
+from cpm_core.model.state import Particles
+from cpm_core.numerics.types import Index
 from cpm_core.numerics.vectors import row_lengths
 from cpm_core.parameters import Parameters
 
@@ -60,7 +60,7 @@ _MAX_TRAVELLING_FRACTION = 0.25
 _HOLDING_STRENGTH = 1.25
 """Edge strength, in multiples of the edge floor, that holds particles in any case."""
 
-_OUTSIDE_COVERAGE = np.int64(-1)
+_OUTSIDE_COVERAGE = -1
 """Value for the idle steps of a particle outside the coverage map."""
 
 _GATHERING_STEPS = 100
@@ -195,7 +195,7 @@ def move_particles(
     held = hold_at_barriers(scale_field.barrier_map, particles, moved.particles)
     if held is not moved.particles:
         moved = MovedParticles.held_at(held, particles.position)
-    inside, displacement, moving = _find_inside(held.position, moved.motion, *scale_field.shape)
+    inside = np.flatnonzero(is_inside_image(held.position, scale_field.shape))
     left = len(held) - len(inside)
     if left:
         moved = moved.select(inside)
@@ -206,25 +206,11 @@ def move_particles(
         step_of_scale=step + 1,
         born=0,
         deleted=left,
-        displacement=displacement,
-        moving=moving,
+        displacement=float(moved.motion.mean()) if len(inside) else float("nan"),
+        moving=int(np.count_nonzero(moved.motion > STILL_DISTANCE)),
         epsilon=equilibrium_epsilon(moved.particles.distance),
     )
     return state, moved
-
-
-@compiled
-def _find_inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[Index, float, int]:
-    """Return the particles inside the image, their mean motion, and how many of them moved."""
-    inside, count, total, moving = np.empty(len(position), np.int64), 0, 0.0, 0
-    for i in range(len(position)):
-        y, x = position[i, 0], position[i, 1]
-        if y >= -0.5 and y <= rows - 0.5 and x >= -0.5 and x <= cols - 0.5:
-            inside[count] = i
-            count += 1
-            total += motion[i]
-            moving += motion[i] > STILL_DISTANCE
-    return inside[:count], total / count, moving
 
 
 def insert_and_delete(
@@ -246,8 +232,9 @@ def insert_and_delete(
         kept &= particles.crept <= creeping_range(parameters) * 0.5**state.scale
     coverage, new = mark_covered(state.coverage, particles.position, contact.on_edge & kept, step)
     idle = idle_steps_at(coverage, particles.position, step, state.idle)
-    turn = state.step // every
-    looking = _select_searching(particles.identity, particles.distance, has_moved, idle, turn, repulsion_gone)
+    # those of a front and young ones search always, the others by turns
+    turn = (particles.identity + state.step // every) % _SEARCH_INTERVAL == 0
+    looking = has_moved & (repulsion_gone | (idle < _FRONT_STEPS) | particles.young | turn)
     insertion_range = np.asarray(parameters.d_max * parameters.annealing**idle, np.float64)
     births = find_insertions(contact, kept, looking, scale_field, insertion_range, parameters)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
@@ -263,18 +250,6 @@ def insert_and_delete(
         coverage=coverage,
         idle=state.idle + 1 if is_idle(new, coverage.size) else 0,
     )
-
-
-@compiled
-def _select_searching(
-    identity: Index, distance: Array, has_moved: Mask, idle: Index, turn: int, everywhere: bool
-) -> Mask:
-    """Select the particles that search in a turn: those of a front and young ones always, the others by turns."""
-    looking = has_moved.copy()
-    for i in range(len(identity)):
-        front = idle[i] < _FRONT_STEPS or np.isnan(distance[i, HISTORY_STEPS - 1])
-        looking[i] &= everywhere or front or (identity[i] + turn) % _SEARCH_INTERVAL == 0
-    return looking
 
 
 def check_end(
@@ -355,11 +330,4 @@ def plane_forces(
 
 def plane_energies(state: PlaneState, scale_field: ScaleField, parameters: Parameters) -> Energies:
     """Return the energies of a state with its placed charges; `scale_field` is without them. See `Engine.energies`."""
-    particles = state.particles
-    in_image = 4.0**state.scale
-    reach = parameters.d_min + parameters.d_max
-    pairs = pair_energy(build_plane_cells(particles.position, scale_field.shape, reach), reach)
-    fixed = interpolate_field(scale_field.potential[None], particles.position).sum() / scale_field.slope
-    placed = placed_potential(state.placed, charge_radius_at(state.scale), particles.position).sum()
-    mutual = PAIR_FORCE * parameters.w1 * parameters.d_min**2 * pairs
-    return Energies(kinetic_energy(state), in_image * (mutual + parameters.w2 * float(fixed + placed)))
+    return measure_energies(state, scale_field, parameters, (1.0, 1.0), parameters.d_min + parameters.d_max)
