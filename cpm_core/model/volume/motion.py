@@ -12,6 +12,7 @@ of some cells are found by bisection.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
@@ -150,6 +151,11 @@ def is_on_surface(slope: float, near: float, strength: float, floor: float) -> b
 def on_same_surface(i: int, j: int, normals: Array, seated: Mask) -> bool:
     """Return whether two particles, with normals (N, 3), are neighbors: those on surfaces only if on the same sheet."""
     return not (seated[i] and seated[j]) or face_same_way(row_of(normals, i), row_of(normals, j))
+
+
+def act_on_each_other(normals: Array, seated: Mask) -> Callable[[Index, Index], Mask]:
+    """Return the rule `on_same_surface` for many pairs, by the indices of both."""
+    return lambda i, j: (np.einsum("ni,ni->n", normals[i], normals[j]) > 0.0) | ~(seated[i] & seated[j])
 
 
 REPULSION_REACH = 2.2

@@ -36,6 +36,7 @@ from cpm_core.model.volume.motion import (
     MIN_CELL_SIDE,
     REPULSION_REACH,
     VolumeCells,
+    act_on_each_other,
     build_volume_cells,
     find_near,
     force_parts,
@@ -245,11 +246,5 @@ def volume_forces(
 
 def volume_energies(state: VolumeState, field: VolumeField, parameters: Parameters) -> Energies:
     """Return the energies of a state with its placed charges; `field` is without them. See `Engine.energies`."""
-    particles = state.particles
-
-    def repel(i: Index, j: Index) -> Mask:
-        """Return whether two particles are on the same sheet or one of them on none, shape (K,)."""
-        same = np.einsum("ni,ni->n", particles.normal[i], particles.normal[j]) > 0.0
-        return same | ~(particles.on_surface[i] & particles.on_surface[j])
-
-    return measure_energies(state, field, parameters, field.pitch, REPULSION_REACH * parameters.d_min, repel)
+    rule = act_on_each_other(state.particles.normal, state.particles.on_surface)
+    return measure_energies(state, field, parameters, field.pitch, REPULSION_REACH * parameters.d_min, rule)
