@@ -17,7 +17,7 @@ from cpm_core.numerics.grids import Window, expand_window, gaussian_radius, rela
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Index, Mask, Numbers, Single
 from cpm_core.numerics.vectors import Vector
 
 _BACKGROUND_DEVIATIONS = 4.0
@@ -82,7 +82,7 @@ def gradient_in_window(values: Array, smoothing: float, window: Window) -> Array
     return smoothed_gradient(values[outer], smoothing, np.float32)[(slice(None), *relative_window(window, outer))]
 
 
-def _central_differences(values: Array, out: Array) -> Array:
+def _central_differences(values: NDArray[np.floating], out: Numbers) -> Numbers:
     r"""Write the central differences of values, shape (\*shape), along each axis, and of two values at the border."""
     for axis, part in enumerate(out):
         line, slope = np.moveaxis(values, axis, 0), np.moveaxis(part, axis, 0)
@@ -104,7 +104,7 @@ def volume_edge_map(smoothed: Single, pitch: Vector, inside: Mask | None = None)
     Outside `inside` it is zero.
     """
     out = np.empty(smoothed.shape, np.float32)
-    sides = np.reshape(np.float32(pitch), (3, 1, 1, 1))
+    sides = np.array(pitch, np.float32).reshape(3, 1, 1, 1)
 
     def write_planes(first: int, end: int) -> None:
         slab, at = smoothed[max(first - 1, 0) : end + 1], min(first, 1)

@@ -47,7 +47,7 @@ _NODES = 4
 _NODE_PHASES = np.pi * (np.arange(_NODES) + 0.5) / _NODES
 """Chebyshev nodes lie at their cosines, between the ends of an axis at -1 and 1."""
 
-_POLYNOMIALS = np.cos(np.outer(np.arange(_NODES), _NODE_PHASES))
+_NODE_POLYNOMIALS = np.cos(np.outer(np.arange(_NODES), _NODE_PHASES))
 """Chebyshev polynomials, by degree, at the nodes; the second one is the place of each."""
 
 
@@ -213,7 +213,7 @@ def _append_nodes(boxes: _Boxes, k: int, sources: Array, charges: Array, length:
     for m in range(boxes.charge.shape[1]):
         node, charges[length] = m, boxes.charge[k, m]
         for axis in range(len(sources)):
-            sources[axis, length] = boxes.middle[k, axis] + boxes.reach[k, axis] * _POLYNOMIALS[1, node % _NODES]
+            sources[axis, length] = boxes.middle[k, axis] + boxes.reach[k, axis] * _NODE_POLYNOMIALS[1, node % _NODES]
             node //= _NODES
         length += 1
     return length
@@ -256,7 +256,7 @@ def _spread_charges(sites: Array, boxes: _Boxes, made: int) -> None:
                 for m in range(_NODES):
                     here, before, weights[axis, m] = place, 1.0, 1.0 / _NODES
                     for degree in range(1, _NODES):
-                        weights[axis, m] += 2.0 / _NODES * here * _POLYNOMIALS[degree, m]
+                        weights[axis, m] += 2.0 / _NODES * here * _NODE_POLYNOMIALS[degree, m]
                         here, before = 2.0 * place * here - before, here
             for m in range(nodes):
                 node, share = m, charges[n]

@@ -139,38 +139,10 @@ _LATE_MOVED_PER_THREAD = 4000
 """Particles from which a second thread makes the step faster later."""
 
 
-class MovedParticles(NamedTuple):
-    """Particles after a step, and the distance that each of them has moved [px], shape (N,)."""
-
-    particles: Particles
-    motion: Array
-
-    @classmethod
-    def allocate(cls, particles: Particles) -> MovedParticles:
-        """Allocate the result of a step; the identities are those of the particles."""
-        after = Particles(
-            np.empty_like(particles.position),
-            np.empty_like(particles.velocity),
-            np.empty_like(particles.force),
-            np.empty_like(particles.distance),
-            particles.identity,
-            np.empty(len(particles)),
-        )
-        return cls(after, np.empty(len(particles)))
-
-    def select(self, index: Index) -> MovedParticles:
-        """Select the particles with the given indices, shape (M,), in this order."""
-        return MovedParticles(self.particles.select(index), self.motion[index])
-
-    @classmethod
-    def held_at(cls, particles: Particles, start: Array) -> MovedParticles:
-        """Return particles that barriers held back on their way from `start`, shape (N, D)."""
-        particles.distance[:, 0] = np.linalg.norm(particles.position, axis=1)
-        return cls(particles, np.linalg.norm(particles.position - start, axis=1))
-
-
-def move_in_plane(particles: Particles, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MovedParticles:
-    """Move all particles by one time step.
+def move_in_plane(
+    particles: Particles, idle: Index, scale_field: ScaleField, parameters: Parameters
+) -> tuple[Particles, Array]:
+    """Move all particles by one time step; return them, and the distance that each has moved [px], shape (N,).
 
     `idle`, shape (N,), are the steps since cells around each were newly covered. The parameters act at once. The force
     on a particle at rest is that of its last step.
@@ -179,12 +151,12 @@ def move_in_plane(particles: Particles, idle: Index, scale_field: ScaleField, pa
     cells = build_plane_cells(particles.position, scale_field.shape, reach)
     law = MotionLaw(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, scale_field.floor)
     damped = damped_motion(parameters.beta, parameters.time_step)
-    moved = MovedParticles.allocate(particles)
-    before, after = (particles.velocity, particles.force, particles.distance, particles.crept), moved.particles
-    motion = (after.position, after.velocity, after.force, after.distance, after.crept, moved.motion)
-    work = partial(_move_sorted, cells, scale_field.packed, scale_field.area, idle, damped, law, before, motion)
+    before = particles.velocity, particles.force, particles.distance, particles.crept
+    moved = tuple(map(np.empty_like, (particles.position, *before, particles.crept)))
+    work = partial(_move_sorted, cells, scale_field.packed, scale_field.area, idle, damped, law, before, moved)
     run_in_parallel(work, len(particles), _MOVED_PER_THREAD if (idle < FADED_STEPS).any() else _LATE_MOVED_PER_THREAD)
-    return moved
+    *written, crept, motion = moved
+    return Particles(*written, particles.identity, crept), motion
 
 
 READ_AHEAD_COUNT = 64
@@ -351,18 +323,23 @@ def _size_along(a_y: float, a_x: float, n_y: float, n_x: float) -> float:
     return float(np.sqrt((a_y - b_y) ** 2 + (a_x - b_x) ** 2))
 
 
-def hold_at_barriers(barrier_map: BarrierMap, before: Particles, after: Particles) -> Particles:
-    """Return particles after a step, held back where they cross a barrier or the boundary of a region of interest.
+def hold_at_barriers(
+    barrier_map: BarrierMap, before: Particles, after: Particles, motion: Array
+) -> tuple[Particles, Array]:
+    """Hold particles back where they cross a barrier or the boundary of a region of interest.
 
     Such a particle keeps the part of its step and of its velocity that is along the barrier, if this part crosses no
-    other barrier; otherwise it stays where it was before, at rest.
+    other barrier; otherwise it stays where it was before, at rest. Returns the particles, and the distance that each
+    has moved, which was `motion`, shape (N,).
     """
     blocked = barrier_map.is_crossed_by(before.position, after.position)
     if not blocked.any():
-        return after
-    position, velocity = after.position.copy(), after.velocity.copy()
+        return after, motion
+    position, velocity, distance = after.position.copy(), after.velocity.copy(), after.distance.copy()
     _slide_along_barriers(barrier_map, np.flatnonzero(blocked), before.position, position, velocity)
-    return replace(after, position=position, velocity=velocity)
+    distance[:, 0] = np.linalg.norm(position, axis=1)
+    motion = np.linalg.norm(position - before.position, axis=1)
+    return replace(after, position=position, velocity=velocity, distance=distance), motion
 
 
 @compiled

@@ -36,7 +36,6 @@ from cpm_core.model.plane.births import (
 )
 from cpm_core.model.plane.enclosed_regions import MAX_PLANE_RESEEDINGS, reseeding_places
 from cpm_core.model.plane.motion import (
-    MovedParticles,
     edge_contact_at,
     hold_at_barriers,
     is_at_rest,
@@ -46,7 +45,7 @@ from cpm_core.model.plane.repulsion import build_plane_cells
 from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Index
+from cpm_core.numerics.types import Array, Index
 from cpm_core.numerics.vectors import row_lengths
 from cpm_core.parameters import Parameters
 
@@ -185,36 +184,34 @@ _FADED_INTERVAL = 4
 
 def move_particles(
     state: PlaneState, idle: Index, scale_field: ScaleField, parameters: Parameters
-) -> tuple[PlaneState, MovedParticles]:
-    """Move the particles of a state and drop those that leave the image; also return how they moved.
+) -> tuple[PlaneState, Array]:
+    """Move the particles of a state and drop those that leave the image; also return how far each moved, shape (N,).
 
     `idle`, shape (N,), counts the steps since cells near each particle were newly covered.
     """
     particles, step = state.particles, state.step_of_scale
-    moved = move_in_plane(particles, idle, scale_field, parameters)
-    held = hold_at_barriers(scale_field.barrier_map, particles, moved.particles)
-    if held is not moved.particles:
-        moved = MovedParticles.held_at(held, particles.position)
-    inside = np.flatnonzero(is_inside_image(held.position, scale_field.shape))
-    left = len(held) - len(inside)
+    moved, motion = move_in_plane(particles, idle, scale_field, parameters)
+    moved, motion = hold_at_barriers(scale_field.barrier_map, particles, moved, motion)
+    inside = np.flatnonzero(is_inside_image(moved.position, scale_field.shape))
+    left = len(moved) - len(inside)
     if left:
-        moved = moved.select(inside)
+        moved, motion = moved.select(inside), motion[inside]
     state = replace(
         state,
-        particles=moved.particles,
+        particles=moved,
         step=state.step + 1,
         step_of_scale=step + 1,
         born=0,
         deleted=left,
-        displacement=float(moved.motion.mean()) if len(inside) else float("nan"),
-        moving=int(np.count_nonzero(moved.motion > STILL_DISTANCE)),
-        epsilon=equilibrium_epsilon(moved.particles.distance),
+        displacement=float(motion.mean()) if len(inside) else float("nan"),
+        moving=int(np.count_nonzero(motion > STILL_DISTANCE)),
+        epsilon=equilibrium_epsilon(moved.distance),
     )
-    return state, moved
+    return state, motion
 
 
 def insert_and_delete(
-    state: PlaneState, moved: MovedParticles, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
+    state: PlaneState, motion: Array, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
 ) -> PlaneState:
     """Delete and insert particles; late in a run this happens only at some steps.
 
@@ -224,7 +221,7 @@ def insert_and_delete(
     every = _FADED_INTERVAL if repulsion_gone else _LATE_INTERVAL if state.idle >= IDLE_STEPS else 1
     if state.step % every:
         return replace(state, idle=state.idle + 1)
-    particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
+    particles, step, has_moved = state.particles, state.step_of_scale, motion > 0.0
     cells = build_plane_cells(particles.position, scale_field.shape, search_range(parameters))
     contact, close = examine_contacts(cells, has_moved, scale_field, parameters.d_min)
     kept = select_survivors(particles.position, contact.strength, parameters.d_min, close)
@@ -289,9 +286,9 @@ def step_in_plane(
     """
     idle = idle_steps_of(state, field, parameters)
     repulsion_gone = not (idle < FADED_STEPS).any()
-    state, moved = move_particles(state, idle, field, parameters)
+    state, motion = move_particles(state, idle, field, parameters)
     if len(state.particles):
-        state = insert_and_delete(state, moved, repulsion_gone, field, parameters)
+        state = insert_and_delete(state, motion, repulsion_gone, field, parameters)
     return check_end(state, field, regions, parameters)
 
 
@@ -316,7 +313,7 @@ def plane_forces(
     placed = parameters.w2 * interpolate_field(charged.lorentz, chosen.position) - lorentz
     idle_there = idle[which]
     apart, applied = (
-        move_in_plane(particles, idle, field, parameters).particles.force[which, 0]
+        move_in_plane(particles, idle, field, parameters)[0].force[which, 0]
         for field in (replace(charged, force=lambda: _NO_EDGES), charged)
     )
     coulomb = np.where((idle_there < FADED_STEPS)[:, None], apart - (parameters.w2, 0.0), 0.0)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cpm_core import Parameters
 from cpm_core.field.scale_field import ON_EDGE_FORCE
 from cpm_core.model.equations import MAX_TRAVEL, damped_series, damping_coefficient, is_stuck, repulsion_left
-from cpm_core.model.plane.motion import MovedParticles, move_in_plane
+from cpm_core.model.plane.motion import move_in_plane
 from cpm_core.model.state import HISTORY_STEPS, Particles
 from cpm_core.numerics import parallel
 
@@ -30,8 +30,7 @@ def moved(points, parameters=DEFAULT, shape=SHAPE, scale_field=None, idle=0):
     """Particles, or those at some positions, after a step; `idle` steps after cells around each were newly covered."""
     particles = points if isinstance(points, Particles) else Particles.at_rest(points)
     scale_field = scale_field or even_scale_field(shape, LORENTZ)
-    after = move_in_plane(particles, np.full(len(particles), idle), scale_field, parameters)
-    return after.particles, after.motion
+    return move_in_plane(particles, np.full(len(particles), idle), scale_field, parameters)
 
 
 def force_truth(points, parameters=DEFAULT, left=1.0, lorentz=LORENTZ):
@@ -250,12 +249,3 @@ def test_same_bits_on_any_number_of_cores(monkeypatch):
         quantities = (after.position, after.velocity, after.force, after.distance, motion)
         bits.append([quantity.tobytes() for quantity in quantities])
     assert bits[0] == bits[1] == bits[2]
-
-
-def test_particles_behind_a_barrier_and_some_of_those_that_moved_keep_their_way():
-    points = cloud(60, 3, (39, 47))
-    held = MovedParticles.held_at(Particles.at_rest(points), points)
-    assert not held.motion.any()
-    some = points[:, 0] > 20.0
-    np.testing.assert_array_equal(held.select(np.flatnonzero(some)).motion, held.motion[some])
-    np.testing.assert_array_equal(held.select(np.flatnonzero(some)).particles.position, points[some])
