@@ -133,7 +133,8 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
             looked[sigma] = sort_results(compute(work, _build_volume_grid(task, sigma, side).chunks, "edges"))
         background = noise_strength(np.concatenate([one.samples[scale] for one in looked[sigma]]))
         strongest = max(one.strongest[scale] for one in looked[sigma])
-        return SmoothedVolume(sigma, *np.empty((2, 0, 0, 0), np.float32), strongest, background)
+        nothing = np.empty((0, 0, 0), np.float32)
+        return SmoothedVolume(sigma, nothing, nothing, strongest, background)
 
     smoothing = parameters.smoothing
     sigma = automatic_edges(measure_edges).sigma if smoothing == "auto" else float(smoothing)

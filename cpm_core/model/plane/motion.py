@@ -152,11 +152,12 @@ def move_in_plane(
     law = MotionLaw(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, scale_field.floor)
     damped = damped_motion(parameters.beta, parameters.time_step)
     before = particles.velocity, particles.force, particles.distance, particles.crept
-    moved = tuple(map(np.empty_like, (particles.position, *before, particles.crept)))
+    position, velocity, force, distance = map(np.empty_like, (particles.position, *before[:3]))
+    crept, motion = np.empty((2, len(particles)))
+    moved = position, velocity, force, distance, crept, motion
     work = partial(_move_sorted, cells, scale_field.packed, scale_field.area, idle, damped, law, before, moved)
     run_in_parallel(work, len(particles), _MOVED_PER_THREAD if (idle < FADED_STEPS).any() else _LATE_MOVED_PER_THREAD)
-    *written, crept, motion = moved
-    return Particles(*written, particles.identity, crept), motion
+    return Particles(position, velocity, force, distance, particles.identity, crept), motion
 
 
 READ_AHEAD_COUNT = 64
