@@ -55,8 +55,6 @@ class DrawFeature(Feature):
             if start in session.document.shapes:
                 name = tr("remove {start}", start=name)
             session.edit(name, lambda document: edits.toggle_everywhere(document, kind))
-            # The action must show the state of the document even if it has not changed.
-            self.window.refresh_actions()
 
         return ActionSpec(f"start_{kind}", "Tools", text, tip, toggle_start, keys, icon=kind, gap=kind == "grid",
                           short=short, when=has_image,
@@ -75,15 +73,9 @@ class ModesFeature(Feature):
         self.actions = [self._create_mode_action(mode) for mode in MODES]
 
     def _create_mode_action(self, mode: Mode) -> ActionSpec:
-        info, session = MODES[mode], self.session
-
-        def select_mode() -> None:
-            session.set_mode(mode)
-            # The action must show the state of the document even if it has not changed.
-            self.window.refresh_actions()
-
-        return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, select_mode, _MODE_KEYS[mode],
-                          icon=f"mode_{mode}",
+        info = MODES[mode]
+        return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, partial(self.session.set_mode, mode),
+                          _MODE_KEYS[mode], icon=f"mode_{mode}",
                           checked_when=lambda now: now.document.mode == mode, gap=mode == "shape",
                           short=info.short)  # fmt: skip
 

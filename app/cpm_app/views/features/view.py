@@ -87,12 +87,12 @@ class LayersFeature(Feature):
             *map(create_layer_action, layers),
             ActionSpec("levels_full", _LAYERS_GROUP, "&All gray values",
                        "Show all gray values, from the smallest (black) to the largest (white).",
-                       partial(self._select_range, WHOLE_RANGE), "Alt+Shift+W", when=has_image,
+                       partial(layers.image.set_option, "range", WHOLE_RANGE), "Alt+Shift+W", when=has_image,
                        checked_when=lambda _: layers.image.get_choice("range") == WHOLE_RANGE),
             ActionSpec("levels_auto", _LAYERS_GROUP, "A&utomatic range",
                        "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
                        "button to change the range.",
-                       partial(self._select_range, AUTOMATIC_RANGE), "Alt+W", when=has_image,
+                       partial(layers.image.set_option, "range", AUTOMATIC_RANGE), "Alt+W", when=has_image,
                        checked_when=lambda _: layers.image.get_choice("range") == AUTOMATIC_RANGE),
         )  # fmt: skip
 
@@ -103,10 +103,6 @@ class LayersFeature(Feature):
             if layer.options:
                 self.window.preferences.store_key(_LAYER_SETTINGS_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
-
-    def _select_range(self, value: str) -> None:
-        self.canvas.layers.image.set_option("range", value)
-        self.window.refresh_actions()
 
 
 class KeyboardFeature(Feature):

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from functools import partial
 from typing import Protocol, runtime_checkable
 
-from PySide6.QtCore import QPoint
-from PySide6.QtGui import QAction, QActionGroup, QKeySequence
-from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAction, QActionGroup, QKeySequence, QPalette
+from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QWidget
 
 from cpm_app.model.state.situation import (
     HIDDEN_IN_VOLUMES,
@@ -23,8 +22,6 @@ from cpm_app.model.state.situation import (
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import translate_core_text
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics.types import Callback, Texts, frozen
 
 
@@ -135,16 +132,16 @@ class Actions(dict[str, QAction]):
 
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec]) -> None:
         super().__init__()
-        self._theme: Theme | None = None
         self._in_volume = False
         self._groups: dict[str, QActionGroup] = {}
         self.specs: dict[str, ActionSpec] = {}
         """Specifications by name, in the order of the features."""
-        self._icons: dict[str, str] = {}
         for spec in specs:
             assert spec.name not in self.specs, spec.name
             self.specs[spec.name] = spec
             self[spec.name] = self._create_action(spec, parent)
+            if spec.icon:
+                self._show_icon(spec.name, spec.icon)
 
     def show_situation(self, situation: Situation) -> None:
         """Update state, text and icon of all actions."""
@@ -161,9 +158,8 @@ class Actions(dict[str, QAction]):
             ):
                 action.setText(text)
                 self._update_tips(name)
-            if spec.icon_for is not None and self._icons[name] != (wanted := spec.icon_for(situation)):
-                self._icons[name] = wanted
-                self._tint_icon(name)
+            if spec.icon_for is not None:
+                self._show_icon(name, spec.icon_for(situation))
 
     def _show_volume_texts(self, volume: bool) -> None:
         """Exchange the texts and icons of the actions that do something else in volumes."""
@@ -178,27 +174,13 @@ class Actions(dict[str, QAction]):
             action.setText(text)
             action.setIconText(on_button)
             if name in ICONS_IN_VOLUMES:
-                self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self.specs[name].icon
-                self._tint_icon(name)
+                self._show_icon(name, ICONS_IN_VOLUMES[name] if volume else self.specs[name].icon)
             self._update_tips(name)
 
     def show_keys(self) -> None:
         """Name the current keys in all tips, which may refer to other actions."""
         for name in self.specs:
             self._update_tips(name)
-
-    def use_theme(self, theme: Theme, turns: Turns) -> None:
-        """Tint the icons in later turns, those on buttons first; a new window tints these immediately."""
-        is_new, self._theme = self._theme is None, theme
-
-        def is_off_buttons(name: str) -> bool:
-            return not any(isinstance(it, QToolBar | QToolButton) for it in self[name].associatedObjects())
-
-        for name in sorted(self._icons, key=is_off_buttons):
-            if is_new and not is_off_buttons(name):
-                self._tint_icon(name)
-            else:
-                turns.schedule_work(partial(self._tint_icon, name))
 
     def _create_action(self, spec: ActionSpec, parent: QWidget) -> QAction:
         shown = f"\t{native_key_text(spec.shown_key)}" if spec.shown_key else ""
@@ -213,8 +195,6 @@ class Actions(dict[str, QAction]):
         action.triggered.connect(lambda checked=False: spec.do())
         if spec.short:
             action.setIconText(spec.short)
-        if spec.icon:
-            self._icons[spec.name] = spec.icon
         parent.addAction(action)
         return action
 
@@ -227,15 +207,31 @@ class Actions(dict[str, QAction]):
         action.setStatusTip(text)
         action.setToolTip(f"{_without_mnemonic(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {text}")
 
-    def _tint_icon(self, name: str) -> None:
-        if self._theme is not None:
-            color = self._theme.accent_text if name == PRIMARY_ACTION else self._theme.text
-            self[name].setIcon(load_icon(self._icons[name], color, faded=self._theme.line))
+    def _show_icon(self, name: str, icon: str) -> None:
+        role = QPalette.ColorRole.HighlightedText if name == PRIMARY_ACTION else QPalette.ColorRole.WindowText
+        wanted = load_icon(icon, role)
+        if self[name].icon().cacheKey() != wanted.cacheKey():  # another icon lays out the buttons
+            self[name].setIcon(wanted)
 
 
 def _without_mnemonic(text: str) -> str:
     """Return a text without a shown key and its mnemonic, which Chinese and Japanese put in parentheses."""
     return re.sub(r"\(&\w\)", "", text.partition("\t")[0]).replace("&", "")
+
+
+class ActionButton(QToolButton):
+    """Button of an action of the window, by its name; the window connects it when it has all actions."""
+
+    def __init__(self, name: str, style: Qt.ToolButtonStyle = Qt.ToolButtonStyle.ToolButtonTextOnly) -> None:
+        super().__init__(toolButtonStyle=style, autoRaise=style == Qt.ToolButtonStyle.ToolButtonIconOnly)
+        self.setObjectName(name)
+        if not self.autoRaise():
+            self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+
+    def use_action(self, action: QAction) -> None:
+        """Perform an action, and be there while it is available."""
+        self.setDefaultAction(action)
+        action.visibleChanged.connect(lambda: self.setVisible(action.isVisible()))
 
 
 def add_menu_action(menu: QWidget, text: str, do: Callback, tip: str = "", checked: bool | None = None) -> QAction:

@@ -25,7 +25,6 @@ from cpm_app.model.state.situation import format_remaining_time
 from cpm_app.model.text.language import tr
 from cpm_app.session.tasks.tasks import BackgroundTask, TaskManager
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.tool import AUTO_GROUP, TOOL_GROUPS
 from cpm_app.views.widgets.actions import PRIMARY_ACTION, Actions
@@ -193,6 +192,7 @@ class TaskBar(QWidget):
         self._bar.setFixedWidth(_PROGRESS_BAR_WIDTH)
         self._bar.setMaximumHeight(self.fontMetrics().height())
         self._button = create_flat_button(tr("Cancel"), "", self.cancel)
+        self._button.setIcon(load_icon("close"))
         parts = self._name, self._bar, self._remaining_label, self._button
         fill_layout(QHBoxLayout(self), *parts, margins=(6, 0, 6, 0), spacing=8)
         self._show_timer = QTimer(self, singleShot=True)
@@ -212,10 +212,6 @@ class TaskBar(QWidget):
         if task is not None:
             task.cancel()
             self._tasks.announce_changes()
-
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the button."""
-        self._button.setIcon(load_icon("close", theme.text))
 
     def _show_task(self) -> None:
         current = self._tasks.current

@@ -89,7 +89,7 @@ CONTEXT_MENU_ACTIONS: Mapping[str, Texts] = {
     "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects",
                "objects_alike", "change_object", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
                "delete_object"),
-    "step": ("timeline_parameters", "timeline_delete", "", "export"),
+    "step": ("timeline_rename", "timeline_parameters", "timeline_delete", "", "export"),
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
               "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export"),
     "parameter": (),
