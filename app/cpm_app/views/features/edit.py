@@ -11,7 +11,7 @@ from cpm_app.model.state.resolve import resolve_texts
 from cpm_app.model.state.situation import Situation, has_image, has_shapes
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.views.canvas.canvas_area import FIRST_TOOL
-from cpm_app.views.tools import TOOLS
+from cpm_app.views.tools import TOOLS_BY_GROUP
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.window import Feature
 from cpm_core.shapes import Everywhere, SeedingKind
@@ -26,8 +26,8 @@ class DrawFeature(Feature):
         tools = [
             ActionSpec(tool.name, "Tools", tool.menu_text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
                        icon=tool.name, group="tool", checked=tool.name == FIRST_TOOL,
-                       gap=index > 0 and tool.group != TOOLS[index - 1].group, when=has_image)
-            for index, tool in enumerate(TOOLS)
+                       gap=tool is group[0], when=has_image)
+            for group in TOOLS_BY_GROUP.values() for tool in group
         ]  # fmt: skip
         self.actions = (
             *tools,
@@ -73,9 +73,14 @@ class ModesFeature(Feature):
         self.actions = [self._create_mode_action(mode) for mode in MODES]
 
     def _create_mode_action(self, mode: Mode) -> ActionSpec:
-        info = MODES[mode]
-        return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, partial(self.session.set_mode, mode),
-                          _MODE_KEYS[mode], icon=f"mode_{mode}",
+        info, session = MODES[mode], self.session
+
+        def select_mode() -> None:
+            session.set_mode(mode)
+            self.window.canvas_area.crosshair.hide_crosshair()
+
+        return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, select_mode, _MODE_KEYS[mode],
+                          icon=f"mode_{mode}",
                           checked_when=lambda now: now.document.mode == mode, gap=mode == "shape",
                           short=info.short)  # fmt: skip
 

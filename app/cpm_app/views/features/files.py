@@ -27,7 +27,7 @@ from cpm_app.views.files.start_screen import StartEntry, StartScreen
 from cpm_app.views.widgets.actions import ActionButton, ActionSpec, Submenu
 from cpm_app.views.widgets.containers import create_dim_label, fill_layout
 from cpm_app.views.window import dialogs
-from cpm_app.views.window.dialogs import ALL_FILES, SESSION_FILES, AnswerButton, FileKind, QuestionDialog
+from cpm_app.views.window.dialogs import ALL_FILES, SESSION_FILES, FileKind, QuestionDialog
 from cpm_app.views.window.window import Feature
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
@@ -458,14 +458,11 @@ class RecoveryFeature(Feature):
         if not self._waiting:
             return
         leftover = self._waiting[0]
-        buttons = (
-            AnswerButton("restore", tr("&Restore"), "accept"),
-            AnswerButton("discard", tr("&Discard this work"), "discard"),
-            AnswerButton("later", tr("Ask me &later"), "cancel"),
-        )
+        answers = {"restore": tr("&Restore"), "discard": tr("&Discard this work"), "later": tr("Ask me &later")}
         text = tr("CPM ended unexpectedly. Restore “{name}”?", name=elide_middle(leftover.name, _MAX_SHOWN_PATH))
         details = "\n".join(_describe_leftover(leftover))
-        self.box = box = QuestionDialog(self.window, tr("Restore unsaved work"), text, details, buttons)
+        title = tr("Restore unsaved work")
+        self.box = box = QuestionDialog(self.window, title, text, details, answers, ("discard",))
         box.buttonClicked.connect(lambda _: self._on_answer(box.read_answer()))
         box.open()
 

@@ -45,10 +45,10 @@ class ObjectsFeature(Feature):
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.table.show_items)
         KeyFilter(area.canvas, self.handle_key)
-        area.canvas.pointer.double_clicked.connect(self._on_double_clicked)
+        area.canvas.double_clicked.connect(self._on_double_clicked)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.dispatcher.tool.name == "mend"))
-        area.canvas.pointer_moved.connect(lambda at: objects.set_hovered_item(None) if at is None else None)
+        area.canvas.pointer_place_changed.connect(lambda at: objects.set_hovered_item(None) if at is None else None)
         for changed in (objects.selection_changed, brush.changed):
             changed.connect(lambda *_: window.refresh_actions())
         selection.changed.connect(window.refresh_actions)

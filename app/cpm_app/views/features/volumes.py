@@ -116,7 +116,7 @@ class SlicesFeature(Feature):
         area = self.window.canvas_area
         item, _ = area.menu_at(area.mapFromGlobal(point))
         if item != "image":
-            area.canvas.pointer.menu_wanted.emit(point)
+            area.canvas.menu_wanted.emit(point)
 
     def toggle_sides(self) -> None:
         """Show or hide the slices across the other axes, and the view in space."""
@@ -165,7 +165,7 @@ class SlicesFeature(Feature):
         area.level_drag.watch_widget(view.viewport())
         area.views.addWidget(view, row, 1)
         self._attach_background_cache(view)
-        view.pointer.menu_wanted.connect(self._open_menu)
+        view.menu_wanted.connect(self._open_menu)
         view.place_wanted.connect(self._slices.go_through)
         view.slice_step_wanted.connect(self._slices.step_along)
         self.sides += (view,)
@@ -188,6 +188,7 @@ class PagesFeature(Feature):
         window.canvas_area.controls.addWidget(self.bar)
         pages.set_session_file(window.document_file)
         pages.changed.connect(self._on_pages_changed)
+        window.session.tasks.changed.connect(self._on_pages_changed)
         pages.results_changed.connect(window.refresh_actions)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)

@@ -8,7 +8,6 @@ from PySide6.QtCore import QItemSelection, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QComboBox,
     QHBoxLayout,
     QLabel,
     QPushButton,
@@ -26,7 +25,7 @@ from cpm_app.views.panels.run import Chart
 from cpm_app.views.panels.tables import CellIndex, Column, SortableTable, TableModel
 from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
-from cpm_app.views.widgets.fields import PLACE_JUMP, PlaceBar
+from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers
 
@@ -114,16 +113,13 @@ class PagePanel(QWidget):
             create_wrapped_label(dim=True),
             QPushButton(tr("Export all pages…")),
         )
-        self.kind, self.chart = QComboBox(), Chart((), tr("Plot over the pages"))
-        for name, title in (("objects", tr("Objects")), ("contours", tr("Contours"))):
-            self.kind.addItem(title, name)
+        self.chart = Chart((), tr("Plot over the pages"))
         self.setFocusProxy(self.table)
-        parts = self.summary, self.kind, self.export, self.table, self.chart
+        parts = self.summary, self.export, self.table, self.chart
         fill_layout(QVBoxLayout(self), *parts, margins=(4, 6, 4, 6), wide=self.table)
         self.table.row_requested.connect(show)
         self.table.selection_changed.connect(self.show_plots)
         self.chart.clicked.connect(lambda place: pages.open_page(round(place)))
-        self.kind.activated.connect(lambda _: pages.show_kind(self.kind.currentData()))
         pages.results_changed.connect(self.show_rows)
         pages.changed.connect(self.show_plots)
         self.show_rows()
@@ -137,7 +133,6 @@ class PagePanel(QWidget):
         )
         self.table.rows.update_items(self._pages.table[1], size)
         self.export.setEnabled(first is not None)
-        self.kind.setVisible(len(self._pages.tables) > 1)
         self.show_plots()
         text = tr("No page of the stack has been run yet: run this page or all pages.")
         if found is not None and found.pages:
@@ -165,7 +160,7 @@ class PageBar(PlaceBar):
     """Slider and number of the page, and buttons that follow objects and run all pages."""
 
     def __init__(self) -> None:
-        super().__init__(tr("Page"), tr("Number of the page"), PLACE_JUMP)
+        super().__init__(tr("Page"), tr("Number of the page"))
         self.slider.setTracking(False)
         self.follow, self.run = ActionButton("follow_pages"), ActionButton("run_pages")
         fields = (QLabel(tr("Page")), self.slider, self.number, self.total_label, self.follow, self.run)

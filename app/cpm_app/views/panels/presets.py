@@ -11,7 +11,7 @@ from cpm_app.model.parameters.presets import Preset
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.views.widgets.fields import WheelWithFocus
-from cpm_app.views.window.dialogs import AnswerButton, QuestionDialog, ask_for_text
+from cpm_app.views.window.dialogs import QuestionDialog, ask_for_text
 from cpm_app.views.window.window import MainWindow
 from cpm_core import PRESETS
 
@@ -63,8 +63,8 @@ class PresetBox(WheelWithFocus, QComboBox):
         """Delete the preset in use, after a question."""
         assert self.current is not None
         text = tr("Delete the preset “{name}”?", name=self.current.name)
-        buttons = AnswerButton("keep", tr("&Keep"), "cancel"), AnswerButton("delete", tr("&Delete"), "discard")
-        question = QuestionDialog(self._window, tr("Delete preset"), text, tr("This cannot be undone."), buttons)
+        answers, more = {"delete": tr("&Delete"), "keep": tr("&Keep")}, tr("This cannot be undone.")
+        question = QuestionDialog(self._window, tr("Delete preset"), text, more, answers, ("delete",))
         if question.wait_for_answer() == "delete":
             self.store.delete(self.current.name)
 

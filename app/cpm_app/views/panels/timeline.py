@@ -29,7 +29,7 @@ from cpm_app.model.display.lengths import round_up
 from cpm_app.model.state.situation import RunStatus
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
-from cpm_app.session.timeline.stored_runs import TimelineBranch
+from cpm_app.session.timeline.branches import TimelineBranch
 from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import claim_key, create_dim_label, fill_layout
 

@@ -240,7 +240,7 @@ class MainWindow(QMainWindow):
         self.menus["View"].addActions([*self.docks.actions])
         menus = ContextMenus(self, specs, self.actions_by_name, self.docks.actions)
         menus.watch_widgets(self, self.docks.column)
-        self.canvas_area.canvas.pointer.menu_wanted.connect(partial(menus.open_menu_at, self.canvas_area))
+        self.canvas_area.canvas.menu_wanted.connect(partial(menus.open_menu_at, self.canvas_area))
         return menus
 
     def _connect_actions(self) -> None:
