@@ -124,7 +124,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
 def test_objects_in_a_net_of_lines_are_those_of_the_image_in_one_piece(tmp_path, monkeypatch):
     monkeypatch.setattr(chunk_objects, "OBJECT_MARGINS", (64, 256))
     row, col = np.indices((190, 200))
-    values = 80.0 * (row >= 96) + 50.0 * (col >= np.where(row < 96, 99, 101)) + 60.0
+    values = 80.0 * (row >= 96) + 50.0 * (col >= np.where(row < 96, 96, 106)) + 60.0
     values[(row < 20) | (row >= 172) | (col < 20) | (col >= 182)] = 20.0
     values = scipy.ndimage.gaussian_filter(values, 1.0).round().astype(np.uint8)
     source = write(tmp_path / "bricks.zarr", values)
