@@ -188,7 +188,7 @@ def _run_image(request: RunRequest) -> int:
             if not chosen[0].mask.any():
                 raise ValueError("There is no object at this position: name another one inside it.")
         elif request.all_objects:
-            chosen = tuple(one for one in result.objects if isinstance(one, Selection))
+            chosen = result.objects
         if request.positive_points or request.all_objects:
             shown = replace_by_objects(result, chosen, request.session.objects)
     seconds = time.perf_counter() - started
@@ -233,7 +233,7 @@ def _select_bodies(found: Result, request: RunRequest) -> Result:
     if not request.positive_points:
         return found
     chosen = VolumePartition.from_result(found).select(request.positive_points, request.negative_points)
-    if chosen.body is not None or not chosen.has_boundary:
+    if chosen.prediction is not None or not chosen.has_boundary:
         raise ValueError("There is no object at this position: name one that the surface encloses.")
     return replace(found, surface=chosen.surface)
 

@@ -23,6 +23,7 @@ from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
 from cpm_core.field.start_area.start_area import object_enclosed_by
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_plane
+from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.numerics import polyline
@@ -398,7 +399,7 @@ class Partition(drawing.Pictured):
         places, remark = self._resolve_points(meant, beyond, free, newer)
         lasso = meant if len(meant) >= MIN_DRAWN_PLACES else NO_POINTS
         prompt = self._add_drawn_prompts(places, lasso, line, corners, free)
-        mask = previous.mask if previous is not None and previous.mask.any() else None
+        mask = previous.mask if previous is not None and previous.has_boundary else None
         has_only_points = mask is None and not len(line) and not len(corners)
         if has_only_points and len(beyond):  # negative points correct what a contour encloses
             mask = self._closed_regions.find_object_around(within)
@@ -534,7 +535,7 @@ class Partition(drawing.Pictured):
         them.
         """
         if not mask.any():
-            return Selection(mask, (), (), 0.0, inside, outside, remark, image=self.image)
+            return Selection(Region(), self.shape, inside, outside, confidence=0.0, remark=remark, image=self.image)
         found = self.outline_mask(mask)
         if features is None:
             places = len(inside) + len(outside)
@@ -547,7 +548,10 @@ class Partition(drawing.Pictured):
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
         confidence = estimate_confidence(features)
-        return Selection(mask, contours, gaps, confidence, inside, outside, remark, features, self.image)
+        return Selection(
+            Region.from_mask(mask), self.shape, inside, outside, contours, gaps, confidence, remark, features,
+            image=self.image,
+        )  # fmt: skip
 
     def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
         """Remove pixels from a selection, masks of shape (H, W), and what they cut off from its positive points.
@@ -685,11 +689,11 @@ def _is_among(places: Array, others: Array) -> Mask:
 def _replace_surrounding_points(inside: Array, before: Selection) -> Array:
     """Drop points around the object selected before; add the middle of each of its parts without a point."""
     around = before.inside[~before.contains(before.inside)]
-    if not len(around) or not before.mask.any():
+    if not len(around) or not before.has_boundary:
         return inside
     rest = inside[~_is_among(inside, around)]
     parts, count = scipy.ndimage.label(np.pad(before.mask, 1), np.ones((3, 3), bool))
-    place = np.clip(np.rint(rest[before.contains(rest)]), 0, np.array(before.mask.shape) - 1).astype(int) + 1
+    place = np.clip(np.rint(rest[before.contains(rest)]), 0, np.array(before.shape) - 1).astype(int) + 1
     empty = np.setdiff1d(np.arange(1, count + 1), parts[tuple(place.T)])
     depth = scipy.ndimage.distance_transform_edt(parts > 0)
     middles = np.array(scipy.ndimage.maximum_position(depth, parts, empty), float).reshape(-1, 2) - 1.0

@@ -13,9 +13,12 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import name_class
 from cpm_app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
-from cpm_core.contours import Label, PackedSurface, extract_object_surface, voxelize_surface
+from cpm_core.contours import extract_object_surface
 from cpm_core.contours.contour import Contours
 from cpm_core.formats import ContourFile
+from cpm_core.image.label import Label
+from cpm_core.image.region import Region
+from cpm_core.image.surface import voxelize_surface
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Extent, Texts, record
 from cpm_core.objects.segmented import Click, SegmentedObject, round_line
@@ -100,7 +103,7 @@ def objects_from_contours(contours: Contours) -> tuple[SegmentedObject, ...]:
         SegmentedObject(
             number,
             (),
-            tuple(round_line(part.points) for part in parts),
+            Region(tuple(round_line(part.points) for part in parts)),
             name=parts[0].name if parts[0].name != parts[0].category else "",
             color=parts[0].color,
             confidence=1.0,
@@ -137,10 +140,10 @@ def objects_from_surface(surface: Surface, volume: Image) -> tuple[SegmentedObje
         SegmentedObject(
             label.number,
             (Click((_find_innermost_voxel(body, volume.shape),)),),
+            Region.from_surface(body),
             name=label.name,
             color=label.color,
             confidence=1.0,
-            surface=(PackedSurface.from_surface(body),),
         )
         for label, body in zip(labels, bodies, strict=True)
     )

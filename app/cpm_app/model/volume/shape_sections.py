@@ -9,7 +9,7 @@ from dataclasses import field, replace
 import numpy as np
 
 from cpm_app.model.volume.slices import Slice
-from cpm_app.model.volume.surface_section import cut_body
+from cpm_app.model.volume.surface_section import cut_region
 from cpm_core.field import CHARGE_RADIUS
 from cpm_core.numerics import Array, Position
 from cpm_core.numerics.polyline import as_line
@@ -30,8 +30,8 @@ from cpm_core.shapes import (
     Interest,
     Points,
     Polygon,
+    PolygonRegion,
     PrismRegion,
-    Region,
     Shape,
     Sphere,
     Stroke,
@@ -78,7 +78,7 @@ class StartSection:
 
 
 @frozen
-class RegionSection(Region):
+class RegionSection(PolygonRegion):
     """Cut of a region of interest by a slice."""
 
     slice_handles: Line = ()
@@ -89,7 +89,7 @@ class RegionSection(Region):
 
 
 @frozen
-class RegionElsewhere(Region):
+class RegionElsewhere(PolygonRegion):
     """A region of interest that a slice does not cut: nothing in the slice lies inside it."""
 
     points: Line = ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
@@ -173,7 +173,7 @@ def _iterate_cuts(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
     elif isinstance(shape, Extruded):
         yield from _cut_extruded(shape, here)
     elif isinstance(shape, EnclosedRegion | EnclosingWall):
-        for line in cut_body(shape.surface, here):
+        for line in cut_region(shape.region, here):
             yield RegionSection(line) if isinstance(shape, EnclosedRegion) else Barrier((*line, line[0]))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
         away = abs(shape.position[here.axis] - here.index) * sides[here.axis]
@@ -247,7 +247,7 @@ def _cut_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     if here.axis == shape.axis:
         if shape.first - _IN_SLICE_DISTANCE <= here.index <= shape.last + _IN_SLICE_DISTANCE:
             flat = shape.flat(shape.points)
-            yield RegionSection(flat.points, slice_handles=flat.handles()) if isinstance(flat, Region) else flat
+            yield RegionSection(flat.points, slice_handles=flat.handles()) if isinstance(flat, PolygonRegion) else flat
         return
     if shape.last <= shape.first:
         return

@@ -26,7 +26,7 @@ class SkeletonUpdater(QObject):
             self._changed = document.mode == "skeleton"
             self._parameters = document.parameters
         regions = document.regions
-        subject = (document.outlines, document.outlined_surfaces, regions.interest if regions is not None else ())
+        subject = (document.outlines, document.outlined_bodies, regions.interest if regions is not None else ())
         before, self._subject = self._subject, subject
         status = self._session.status
         if before != subject and document.mode == "skeleton" and status.method == "skeleton" and status.started:

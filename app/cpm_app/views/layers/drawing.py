@@ -32,7 +32,7 @@ from cpm_core.shapes import (
     Limit,
     Points,
     Polygon,
-    Region,
+    PolygonRegion,
     SeedingKind,
     Sphere,
     Start,
@@ -93,7 +93,7 @@ class RegionVeil(ImageOverlay):
         self._veil = QPainterPath()
         enable_caching(self)
 
-    def show_regions(self, regions: list[Region]) -> None:
+    def show_regions(self, regions: list[PolygonRegion]) -> None:
         """Dim everything outside the regions; without regions, dim nothing."""
         if not regions and not self.count:
             return
@@ -325,7 +325,7 @@ class DrawingLayer(Layer):
     def _show_limits_and_charges(self) -> None:
         """Show regions, barriers and placed charges."""
         selected, shapes = self.selected_shape, self._shapes
-        regions = [shape for shape in shapes if isinstance(shape, Region)]
+        regions = [shape for shape in shapes if isinstance(shape, PolygonRegion)]
         self._dim.show_regions(regions)
         self._regions.show_paths(_shape_outlines(regions))
         self._barriers.show_paths(_shape_outlines([shape for shape in shapes if isinstance(shape, Barrier)]))

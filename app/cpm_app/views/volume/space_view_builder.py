@@ -23,8 +23,7 @@ from cpm_app.views.layers.particles import DARK_MAP_FRACTION, UNKNOWN_COLOR
 from cpm_app.views.layers.skeleton import split_skeleton_by_thickness
 from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, get_canvas_style
-from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
-from cpm_core.contours import PackedVoxels
+from cpm_core import Image, Skeleton, Surface, Truth, VolumeTruth
 from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape, relative_sides
@@ -107,17 +106,11 @@ def _build_object_meshes(
     seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
     shown = (
         (
-            bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.unpacked_surface,
+            item.region.surface or bodies.get(item.number),
             objects.color_of(item),
         )
         for item in seen
-        if item.surface
     )
-    found = [
-        each.selection
-        for each in offered
-        if isinstance(each.selection, VolumeSelection) and each.selection.has_boundary
-    ]
     return (
         *(
             _color_surface(body, spacing, get_canvas_style().resolve_color(color))
@@ -125,8 +118,9 @@ def _build_object_meshes(
             if body is not None
         ),
         *(
-            _color_surface(selection.surface, spacing, get_canvas_style().resolve_color(theme.PROPOSAL_COLOR))
-            for selection in found
+            _color_surface(each.selection.surface, spacing, get_canvas_style().resolve_color(theme.PROPOSAL_COLOR))
+            for each in offered
+            if each.selection.surface is not None
         ),
     )
 

@@ -66,7 +66,7 @@ def test_a_kept_result_becomes_an_object(ready, panel, hand) -> None:
     panel.acts["use"].trigger()
     hand.wait(lambda: bool(ready.session.document.objects.items))
     (item,) = ready.session.document.objects.items
-    assert (item.mask(disc().shape) == (disc() > 100)).mean() > 0.97
+    assert (item.region.paste(disc().shape) == (disc() > 100)).mean() > 0.97
     assert [contour.closed for contour in build_objects_result(ready.session.document).contours] == [True]
     ready.session.undo()
     assert not ready.session.document.objects.items

@@ -127,7 +127,7 @@ def test_true_objects_that_touch_are_taken_one_by_one(compared, hand, tmp_path) 
     comparison.use_row(truth_row(compared).key)
     hand.wait(lambda: len(compared.session.document.objects.items) == 3)
     for item in compared.session.document.objects.items:
-        np.testing.assert_array_equal(item.mask((64, 64)), labels == item.number)
+        np.testing.assert_array_equal(item.region.paste((64, 64)), labels == item.number)
 
 
 def test_any_row_can_be_the_reference(compared, hand) -> None:

@@ -11,15 +11,15 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from skimage.measure import marching_cubes
 
-from cpm_core.contours.surface import Surface
+from cpm_core.image.surface import Surface
 from cpm_core.shapes import (
     Barrier,
     Box,
     BoxRegion,
     Charge,
     Polygon,
+    PolygonRegion,
     PrismRegion,
-    Region,
     Shape,
     Sphere,
     Stroke,
@@ -144,7 +144,7 @@ def test_what_is_drawn_through_slices_is_a_line_in_its_own_and_strips_in_the_oth
     for along, across in (others, others[::-1]):
         at = 5.0  # where both are cut
         (strip,) = cut_shape(region, Slice(along, at))
-        assert isinstance(strip, Region)
+        assert isinstance(strip, PolygonRegion)
         low, high = np.min(strip.points, axis=0), np.max(strip.points, axis=0)
         expected = {axis: (2.0, 11.0), across: (3.0, 9.0) if across == others[1] else (2.0, 8.0)}
         shown = sorted((axis, across))
