@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cpm_core.image.label import check_color
+from cpm_core.image.colors import check_color
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
 from cpm_core.numerics.types import Array, Integers, record

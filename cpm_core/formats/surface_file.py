@@ -23,8 +23,7 @@ from cpm_core.formats.meshes.coordinates import find_voxel_transform
 from cpm_core.formats.meshes.triangles import ParsedTriangles
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
-from cpm_core.image.label import Label
-from cpm_core.image.surface import Surface
+from cpm_core.image.surface import Label, Surface
 from cpm_core.numerics.types import Array, Texts
 
 _LOG = logging.getLogger(__name__)

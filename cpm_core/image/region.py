@@ -14,7 +14,7 @@ import scipy
 
 from cpm_core.image.surface import Surface, voxelize_surface
 from cpm_core.numerics import polyline
-from cpm_core.numerics.grids import bounding_window, true_bounds, zero_surface
+from cpm_core.numerics.grids import Window, bounding_window, true_bounds, window_shape, zero_surface
 from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Place
 
 MAX_BOX_VOXELS = 2**28
@@ -183,10 +183,16 @@ class Region:
     def _rasterized(self) -> dict[tuple[Integers, Integers], Mask]:
         return {}
 
-    def cut_out(self, begin: Corner, shape: Corner) -> Mask:
-        """Return the pixels of a box, given its first pixel and its shape."""
-        found = np.zeros(tuple(shape), bool)
-        first, mask = self.cut_to(begin, np.add(begin, shape))
+    @property
+    def window(self) -> Window:
+        """Rows and columns of the box around the pixels."""
+        return tuple(slice(at, at + side) for at, side in zip(self.origin, self.mask.shape, strict=True))
+
+    def cut_out(self, window: Window) -> Mask:
+        """Return the pixels in a window, which may begin outside the image."""
+        found = np.zeros(window_shape(window), bool)
+        begin, end = zip(*((side.start, side.stop) for side in window), strict=True)
+        first, mask = self.cut_to(begin, end)
         found[tuple(slice(a - b, a - b + n) for a, b, n in zip(first, begin, mask.shape, strict=True))] = mask
         return found
 
@@ -219,24 +225,29 @@ class Region:
 
     def united(self, other: Region) -> Region:
         """Return the pixels of this region and of another."""
-        first = np.minimum(self.origin, other.origin)
-        shape = np.maximum(np.add(self.origin, self.mask.shape), np.add(other.origin, other.mask.shape)) - first
-        return Region.from_mask(self.cut_out(first, shape) | other.cut_out(first, shape), first)
+        window = tuple(
+            slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(self.window, other.window, strict=True)
+        )
+        return Region.from_mask(self.cut_out(window) | other.cut_out(window), [side.start for side in window])
 
     def without(self, other: Region) -> Region:
         """Return the pixels of this region that are not those of another."""
-        return Region.from_mask(self.mask & ~other.cut_out(self.origin, self.mask.shape), self.origin)
+        return Region.from_mask(self.mask & ~other.cut_out(self.window), self.origin)
 
     def shared_with(self, other: Region) -> Region:
         """Return the pixels that this region has in common with another."""
-        first, mask = other.cut_to(self.origin, np.add(self.origin, self.mask.shape))
-        return Region.from_mask(mask & self.cut_out(first, mask.shape), first)
+        return Region.from_mask(self.mask & other.cut_out(self.window), self.origin)
 
     def compute_iou(self, other: Region) -> float:
         """Compute the overlap (intersection over union) with another region; 0 when both are empty."""
         both = self.shared_with(other).size
         whole = np.count_nonzero(self.mask) + np.count_nonzero(other.mask) - both
         return both / whole if whole else 0.0
+
+    @cached_property
+    def filled(self) -> Region:
+        """The region with its holes."""
+        return Region(pixels=scipy.ndimage.binary_fill_holes(self.mask), first=self.origin)
 
     @cached_property
     def shell(self) -> Region:

@@ -9,12 +9,25 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.image import drawing
-from cpm_core.image.label import Label
+from cpm_core.image.colors import check_color
 from cpm_core.numerics.grids import label_joined_pairs
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, record
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, frozen, record
 from cpm_core.parameters.formatting import format_count, format_repr
+
+
+@frozen
+class Label:
+    """Name, color, ``"#rrggbb"``, and name of the class of the object with a number; each may be empty."""
+
+    number: int
+    name: str = ""
+    color: str = ""
+    category: str = ""
+
+    def __post_init__(self) -> None:
+        check_color("a label", self.color)
 
 
 @record

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -129,6 +129,30 @@ class Selection(drawing.Pictured):
         if self.surface is not None:
             return self.surface.plot(ax)
         return drawing.draw_curves_on_image(ax, self.mask.astype(float), self.contours)
+
+
+class Candidate(NamedTuple):
+    """A region that may be an object.
+
+    Attributes
+    ----------
+    region : Region
+        Its pixels.
+    features : ConfidenceFeatures or None
+        What its confidence is estimated from, as far as it is known.
+    unambiguous : bool
+        Whether an unambiguous contour encloses it.
+    likelihood : float
+        Overlap with an object that the network predicts.
+    confidence : float
+        Probability that it is an object.
+    """
+
+    region: Region
+    features: ConfidenceFeatures | None = None
+    unambiguous: bool = False
+    likelihood: float = 0.0
+    confidence: float = 0.0
 
 
 CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; the last mark counts."

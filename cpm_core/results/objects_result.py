@@ -13,7 +13,7 @@ from cpm_core.contours.surface import join_surfaces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image
-from cpm_core.image.label import Label
+from cpm_core.image.surface import Label
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Sides
 from cpm_core.objects.outline import OBJECT_SMOOTHING

@@ -19,7 +19,7 @@ from cpm_core.formats.images.dicom_series import DicomFrame
 from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
 from cpm_core.image.geometry import Geometry
-from cpm_core.image.label import Label
+from cpm_core.image.surface import Label
 from cpm_core.results.result import Result
 
 _SEGMENTATION_CLASS = "1.2.840.10008.5.1.4.1.1.66.4"

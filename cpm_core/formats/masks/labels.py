@@ -24,7 +24,7 @@ from cpm_core.formats.common.provenance import (
     flatten_provenance,
 )
 from cpm_core.formats.images import resolution
-from cpm_core.image.label import Label
+from cpm_core.image.surface import Label
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Extent, JsonDict, Pixels
 from cpm_core.results.result import Result

@@ -21,7 +21,7 @@ from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import read_volume
 from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
-from cpm_core.image.label import Label
+from cpm_core.image.surface import Label
 from cpm_core.numerics.grids import find_label_boxes
 from cpm_core.numerics.types import Array
 

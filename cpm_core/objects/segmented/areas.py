@@ -55,7 +55,7 @@ def unite_bodies(first: Region, second: Region) -> Region:
 
 def _signed_distance(region: Region, surface: Surface, begin: Index, shape: Extent) -> Array:
     """Compute the signed distance of voxels from a surface, negative inside, exact near it, of `shape` [voxels]."""
-    inside = region.cut_out(begin, shape)
+    inside = region.cut_out(tuple(map(slice, begin, begin + shape)))
     away = np.where(inside, scipy.ndimage.distance_transform_edt(inside), scipy.ndimage.distance_transform_edt(~inside))
     near = away <= _EXACT_DISTANCE
     triangles = TriangleSamples((surface.vertices - begin)[surface.faces])

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.image.label import check_color
+from cpm_core.image.colors import check_color
 from cpm_core.image.region import Region
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Line, Place, Position, Sides, frozen

@@ -16,9 +16,8 @@ from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
 from cpm_core.contours import extract_object_surface
 from cpm_core.contours.contour import Contours
 from cpm_core.formats import ContourFile
-from cpm_core.image.label import Label
 from cpm_core.image.region import Region
-from cpm_core.image.surface import voxelize_surface
+from cpm_core.image.surface import Label, voxelize_surface
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Extent, Texts, record
 from cpm_core.objects.segmented import Click, SegmentedObject, round_line

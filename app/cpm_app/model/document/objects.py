@@ -15,8 +15,8 @@ from cpm_app.model.text.language import tr
 from cpm_core import Result, Selection, Surface, containment
 from cpm_core.contours import select_bridges_on
 from cpm_core.contours.contour import Contours
-from cpm_core.image.label import Label
 from cpm_core.image.region import Region
+from cpm_core.image.surface import Label
 from cpm_core.numerics import Array, Place, Position, polyline, simplify_path
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Extent, Integers, Line

@@ -50,10 +50,10 @@ def cut_region(region: Region, here: Slice) -> tuple[Line, ...]:
 
 def _iterate_boundary_lines(region: Region, here: Slice) -> Iterable[Line]:
     if region.surface is None:
-        first, shape = [*region.origin], [*region.mask.shape]
-        first[here.axis], shape[here.axis] = here.index, 1
-        pixels = np.pad(region.cut_out(first, shape).any(axis=here.axis), 1)
-        begin = np.array(here.drop_axis(tuple(first))) - 1.0
+        window = list(region.window)
+        window[here.axis] = slice(here.index, here.index + 1)
+        pixels = np.pad(region.cut_out(tuple(window)).any(axis=here.axis), 1)
+        begin = np.array(here.drop_axis(region.origin)) - 1.0
         curves = skimage.measure.find_contours(pixels.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
         for curve in curves:
             yield as_line(curve[:-1] + begin)
