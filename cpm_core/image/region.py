@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import Self
@@ -15,7 +15,7 @@ import scipy
 from cpm_core.image.surface import Surface, voxelize_surface
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Window, bounding_window, true_bounds, window_shape, zero_surface
-from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Place
+from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Place, record
 
 MAX_BOX_VOXELS = 2**28
 """Largest box around a surface [voxels]; filling it takes at least one byte per voxel."""
@@ -27,7 +27,7 @@ Corner = Sequence[int] | Index
 """A pixel or a voxel, or the sides of a box."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Region:
     """A set of pixels of an image, or of voxels of a volume; equal to others of the same pixels and boundary.
 
@@ -167,17 +167,19 @@ class Region:
 
     def _rasterize(self, first: Integers, last: Integers) -> Mask:
         """Mark the pixels of a box inside the boundary; those of the last box are kept, as each click needs them."""
-        if (first, last) not in self._rasterized:
-            rows, cols = np.arange(first[0], last[0]), np.arange(first[1], last[1])
-            mask = np.zeros((len(rows), len(cols)), bool)
-            height = max(1, _PIXELS_PER_TEST // max(1, len(cols)))
-            for top in range(0, len(rows), height):
-                part = mask[top : top + height]
-                places = np.stack(np.meshgrid(rows[top : top + height], cols, indexing="ij"), axis=-1).reshape(-1, 2)
-                part[:] = self.encloses(places.astype(float)).reshape(part.shape)
-            self._rasterized.clear()
-            self._rasterized[first, last] = mask
-        return self._rasterized[first, last]
+        known = self._rasterized.get((first, last))
+        if known is not None:
+            return known
+        rows, cols = np.arange(first[0], last[0]), np.arange(first[1], last[1])
+        mask = np.zeros((len(rows), len(cols)), bool)
+        height = max(1, _PIXELS_PER_TEST // max(1, len(cols)))
+        for top in range(0, len(rows), height):
+            part = mask[top : top + height]
+            places = np.stack(np.meshgrid(rows[top : top + height], cols, indexing="ij"), axis=-1).reshape(-1, 2)
+            part[:] = self.encloses(places.astype(float)).reshape(part.shape)
+        self._rasterized.clear()
+        self._rasterized[first, last] = mask
+        return mask
 
     @cached_property
     def _rasterized(self) -> dict[tuple[Integers, Integers], Mask]:
@@ -200,6 +202,11 @@ class Region:
         """Mark the pixels in a mask of the image."""
         first, mask = self.cut_to((0,) * filled.ndim, filled.shape)
         filled[tuple(slice(at, at + n) for at, n in zip(first, mask.shape, strict=True))] |= mask
+
+    def clipped(self, shape: Extent) -> Region:
+        """Return the pixels that lie in an image of this shape."""
+        first, mask = self.cut_to((0,) * len(shape), shape)
+        return Region.from_mask(mask, first)
 
     def paste(self, shape: Extent) -> Mask:
         """Return the pixels as a mask of an image of this shape."""

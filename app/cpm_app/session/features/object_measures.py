@@ -112,9 +112,8 @@ def _measure_object(item: SegmentedObject, image: Image) -> ObjectFigures:
     if image.ndim == 2:
         return ObjectFigures(gray, counts)
     body = item.region.find_surface()
-    _ = (
-        item.region.shell.mask
-    )  # cached, because limits and painting need it on the window's thread, which must not wait
+    # cached here, because limits and painting need it on the window's thread, which must not wait
+    _ = item.region.shell
     surface = replace(body, spacing=image.spacing, unit=image.unit)
     volume = len(values) * math.prod(image.spacing)  # as in tables and masks
     return ObjectFigures(gray, counts, volume, surface.area, surface.components, surface.euler, body)

@@ -286,6 +286,8 @@ class Selector:
         item, made = self._changed, self._found_by_clicks.get(clicks)
         if made is None and item is not None and clicks == initial_clicks(item, self.partition.shape):
             made = replace(selection_from_object(item, self.partition.shape), image=self.partition.image)
+            if isinstance(self.partition, Partition):  # to be compared with what further clicks give
+                made = replace(made, region=item.region.clipped(self.partition.shape))
         elif made is None and clicks[-1].step:
             found, default = self._find_candidates(clicks)
             made = found[min(max(default + clicks[-1].step, 0), len(found) - 1)]
