@@ -280,8 +280,8 @@ def selection_from_object(item: SegmentedObject, shape: Extent) -> Selection:
     return Selection(
         region=item.region,
         shape=shape,
-        inside=item.inside,
-        outside=item.outside,
+        inside=item.inside.reshape(-1, len(shape)),
+        outside=item.outside.reshape(-1, len(shape)),
         contours=contours_from_object(item),
         gaps=tuple(np.array(gap) for gap in item.gaps),
         confidence=item.confidence if len(shape) == 2 else np.nan,
