@@ -63,7 +63,13 @@ def find_objects_everywhere(partition: Partition, check: Callback = lambda: None
         for mask in partition.find_unambiguous_objects():
             yield build_proposal(partition, mask, ConfidenceFeatures(point_count=0), unambiguous=True)
         return
-    for found in find_image_objects(ImageParts.from_partition(partition), check):
+    yield from find_objects_in_parts(ImageParts.from_partition(partition), check)
+
+
+def find_objects_in_parts(parts: ImageParts, check: Callback = lambda: None) -> Iterator[Selection]:
+    """Find all objects of an image that is divided into parts, by the network."""
+    partition = parts.partition
+    for found in find_image_objects(parts, check):
         mask = found.region.paste(partition.shape)
         one = build_proposal(partition, mask, found.features, unambiguous=found.unambiguous)
         yield replace(one, confidence=found.confidence)
