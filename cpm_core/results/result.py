@@ -15,10 +15,11 @@ from cpm_core.contours.faces import Face, find_faces
 from cpm_core.contours.measurements import assign_labels, compute_centroid
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.region_table import Table, measure_regions, measure_volume_objects
-from cpm_core.contours.surface import Surface, label_voxels
+from cpm_core.contours.surface import label_voxels
 from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Array, Arrays, Extent, Sides, record
@@ -146,7 +147,7 @@ class Result(drawing.Pictured):
 
     @cached_property
     def objects(self) -> FoundObjects:
-        """The objects that the run proposes, each a `Selection`, in a volume a `VolumeSelection`; the best first.
+        """The objects that the run proposes, the best first.
 
         A run from everywhere, as from a grid, proposes all objects of the image, or all bodies inside the surface. One
         from drawn starts proposes the object of each of them. They are found at the first access, which takes some

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Label, assign_numbers
+from cpm_core.contours.contour import Contour, assign_numbers
 from cpm_core.contours.measurements import assign_labels, compute_centroid, measure
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import escape_cell, unescape_cell
@@ -22,6 +22,7 @@ from cpm_core.formats.common.provenance import Outcome, describe_provenance, fla
 from cpm_core.formats.contours.contents import CollectedContours
 from cpm_core.formats.images.resolution import ascii_unit
 from cpm_core.formats.meshes.coordinates import to_file_coordinates
+from cpm_core.image.surface import Label
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.polyline import path_length
 from cpm_core.pages.page import StackResult
