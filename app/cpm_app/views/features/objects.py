@@ -148,9 +148,14 @@ class ObjectsFeature(Feature):
             self._object_list.select_items((keys[(at + 1) % len(keys)],))
 
     def ask_for_name(self) -> None:
-        """Ask for the name of the selected row."""
+        """Ask for the name of the selected row; the keyboard then goes back to the canvas, if it came from there."""
+        canvas, table = self.window.canvas_area.canvas, self.panel.table
+        came_from_canvas = canvas.hasFocus()
         self.window.docks.reveal_panel("objects")
-        self.panel.table.edit_selected_name()
+        table.edit_selected_name()
+        if came_from_canvas:
+            once = Qt.ConnectionType.SingleShotConnection.value | Qt.ConnectionType.QueuedConnection.value
+            table.itemDelegate().closeEditor.connect(canvas.setFocus, Qt.ConnectionType(once))
 
     def handle_key(self, event: QKeyEvent) -> bool:
         """Handle the keys that act on the selection on the canvas; return whether the key was one of them."""
