@@ -28,6 +28,7 @@ from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, Openin
 from cpm_app.session.features.kept_pages import run_recorded
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_rows import ItemKey
+from cpm_app.session.features.object_selection import ObjectSelection
 from cpm_app.session.features.project_table import write_table
 from cpm_app.session.features.selector import MAX_OFFERED_PIXELS
 from cpm_app.session.features.stack_pages import StackPages
@@ -119,9 +120,11 @@ class ImageProject(QObject):
     image_wanted = Signal(object)
     """The user goes on to an image: its path."""
 
-    def __init__(self, session: Session, object_list: ObjectList, pages: StackPages) -> None:
+    def __init__(
+        self, session: Session, object_list: ObjectList, object_selection: ObjectSelection, pages: StackPages
+    ) -> None:
         super().__init__(session)
-        self._session, self._list, self._pages = session, object_list, pages
+        self._session, self._list, self._selection, self._pages = session, object_list, object_selection, pages
         self._file: DocumentFile
         self._content = FolderContent()
         self.current: Path | None = None
@@ -234,19 +237,22 @@ class ImageProject(QObject):
     def mark(self, state: ImageState) -> None:
         """Mark the open image, and go on to the next one; if it is marked so already, remove the mark and stay.
 
-        If proposals would be lost, only a message says so; asked again, the image is marked.
+        If proposals would be lost, only a message says so; asked again, the image is marked. While the next image is
+        being opened, a key that was pressed twice changes nothing.
         """
-        if self.current is None:
+        if self.current is None or self._session.opening_name:
             return
         removed, here = self._here.state == state, self._here
         offered = () if removed else self._undecided_proposals
         asked = self.current, state, offered
-        if offered and asked != self._asked:
+        if (offered or (self._awaits_proposals and not removed)) and asked != self._asked:
             self._asked = asked
             text = tr(
                 "Proposals that are not accepted: {count}. Accept them, or press the same key again to go on without "
                 "them."
             )
+            if not offered:
+                text = tr("Objects are still being found. Wait, or press the same key again to go on without them.")
             self._session.messages.show(text.format(count=len(offered)), category=EDITING_CATEGORY)
             return
         self._asked = None
@@ -330,6 +336,12 @@ class ImageProject(QObject):
         rows = [row for row in self._list.rows if row.kind == "proposal"]
         likely = any(is_likely(each.selection) for each in self._session.scene.objects.proposals)
         return tuple(row.key for row in rows) if likely or not self._session.document.objects.items else ()
+
+    @property
+    def _awaits_proposals(self) -> bool:
+        """Whether a run goes on, or has ended and its proposals are not shown yet."""
+        is_known = self._selection.offer_is_known or bool(self._session.document.objects.items)
+        return self._session.status.phase == "running" or not is_known
 
     @property
     def _needs_saving(self) -> bool:
