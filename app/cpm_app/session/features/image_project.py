@@ -133,6 +133,8 @@ class ImageProject(QObject):
         """The image that was asked for last."""
         self._first_settings: SessionFile | None = None
         """The settings that the open image began with."""
+        self._opened_to_run = False
+        """Whether the open image was opened to be run, if it is untouched."""
         self._shown: object = None
         """State and number of objects of the open image, as last announced."""
         self._writing = self._preparing = ENDED_TASK
@@ -339,9 +341,13 @@ class ImageProject(QObject):
 
     @property
     def _awaits_proposals(self) -> bool:
-        """Whether a run goes on, or has ended and its proposals are not shown yet."""
-        is_known = self._selection.offer_is_known or bool(self._session.document.objects.items)
-        return self._session.status.phase == "running" or not is_known
+        """Whether a run is about to begin, goes on, or has ended and its proposals are not shown yet."""
+        result = self._session.scene.result
+        if self._session.status.phase == "running":
+            return True
+        if self._opened_to_run and self.state == "untouched" and (result is None or not result.stop_reason):
+            return True
+        return not (self._selection.offer_is_known or self._session.document.objects.items)
 
     @property
     def _needs_saving(self) -> bool:
@@ -387,6 +393,7 @@ class ImageProject(QObject):
         self._wanted = self.current
         if self.current != before:  # and not another page of it
             self._first_settings = self._read_settings()
+            self._opened_to_run = self.proposes
             if self.proposes and not (opened.saved and opened.saved.file.runs):
                 QTimer.singleShot(0, self, self._run_untouched)
         self.changed.emit()
