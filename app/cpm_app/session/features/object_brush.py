@@ -28,7 +28,7 @@ _MIN_BRUSH_MOVE = 0.3
 
 def default_brush_radius(image: ImageReference | None) -> float:
     """Return the default radius of the brush, which depends on the size of the image [px]."""
-    return max(0.03 * max(image.shape), 4.0) if image is not None else 4.0
+    return max(round(0.03 * max(image.shape)), 4.0) if image is not None else 4.0
 
 
 class ObjectBrush(QObject):

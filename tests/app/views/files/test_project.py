@@ -119,6 +119,15 @@ def test_the_key_pressed_again_takes_the_mark_away_and_stays(window, hand, folde
     assert table(window)[0] == ("plate1.npy", "○ untouched", "0")
 
 
+def test_the_key_pressed_again_while_the_next_image_is_being_opened_changes_nothing(window, hand, folder) -> None:
+    np.save(folder / "plate2.npy", np.kron(disc(), np.ones((40, 40))))  # takes a while
+    open_project(window, hand, folder)
+    hand.key(*DONE)
+    hand.wait(lambda: window.session.opening_name)
+    press(window, hand, DONE, "plate2.npy")
+    assert [row[1] for row in table(window)[:2]] == ["● done", "○ untouched"]
+
+
 def test_a_click_on_a_row_opens_its_image(window, hand, folder) -> None:
     open_project(window, hand, folder)
     shown = window.get_feature(ProjectFeature).panel.table
@@ -224,6 +233,23 @@ def test_proposals_that_are_not_accepted_are_not_lost_without_a_sentence(window,
     hand.key(Qt.Key.Key_Return)
     press(window, hand, DONE, "plate2.npy")
     assert table(window)[0] == ("plate1.npy", "● done", "1")
+
+
+def test_an_image_is_not_done_by_a_key_pressed_before_its_proposals_are_there(window, hand, folder) -> None:
+    open_project(window, hand, folder)
+    window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
+    window.trigger_action("apply_to_all")
+    hand.key(*DONE)
+    hand.wait(lambda: name(window) == "plate2.npy")
+    hand.key(*DONE)
+    said = "Objects are still being found. Wait, or press the same key again to go on without them."
+    assert window.canvas_area.messages.text == said
+    assert [row[1] for row in table(window)[:2]] == ["● done", "○ untouched"]
+    hand.wait(lambda: window.session.scene.objects.proposals)
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Return)
+    press(window, hand, DONE, "plate3.npy")
+    assert table(window)[1] == ("plate2.npy", "● done", "1")
 
 
 def test_enter_in_the_list_of_images_accepts_what_is_proposed(window, hand, folder) -> None:
