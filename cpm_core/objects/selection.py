@@ -89,6 +89,9 @@ class Selection(drawing.Pictured):
         return drawing.draw_curves_on_image(ax, self.mask.astype(float), self.contours)
 
 
+EXCLUDED_POINT_REMARK = "A point in another object is ignored."
+"""Remark on a selection by points some of which are on excluded pixels."""
+
 CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; the last mark counts."
 """Remark on a selection by points that contradict each other."""
 

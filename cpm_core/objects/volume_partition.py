@@ -23,7 +23,7 @@ from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVo
 from cpm_core.contours.surface import Surface, voxelize_surface
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
-from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
@@ -37,7 +37,7 @@ from cpm_core.objects.prior.body_prediction import (
 from cpm_core.objects.prior.body_predictor import BodyPredictor
 from cpm_core.objects.prior.body_surface import extract_body_surface
 from cpm_core.objects.prior.crops import CROP_SIDE, resample_with_tent
-from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, keep_last_marks
+from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, EXCLUDED_POINT_REMARK, keep_last_marks
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 
 _BODY_LOOKUP_DISTANCE = 0.75
@@ -160,7 +160,12 @@ class VolumePartition:
         return self._parts[0][1]
 
     def select(
-        self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
+        self,
+        inside: ArrayLike,
+        outside: ArrayLike = (),
+        *,
+        previous: VolumeSelection | None = None,
+        excluded: Mask | None = None,
     ) -> VolumeSelection:
         """Select the bodies that positive points lie in, without those that negative points lie in.
 
@@ -170,6 +175,8 @@ class VolumePartition:
             Positive and negative points (plane, row, col) [voxels]. One outside the volume is moved to its border.
         previous : VolumeSelection, optional
             The selection before; the points are added to its own.
+        excluded : ndarray of bool, shape (P, R, C), optional
+            Voxels that are not selected, such as those of other objects. What they cut consists of voxels.
 
         Returns
         -------
@@ -179,16 +186,24 @@ class VolumePartition:
         Raises
         ------
         ValueError
-            When points are not planes, rows and columns.
+            When points are not planes, rows and columns, or the excluded voxels are not those of the volume.
         """
         within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
+        if excluded is not None:
+            if excluded.shape != self.shape:
+                shapes = format_size(excluded.shape), format_size(self.shape)
+                raise ValueError("the excluded voxels are {} but the volume is {}.".format(*shapes))
+            free = ~excluded[tuple(self._find_nearest_voxels(within).T)]
+            found = self.remove_pixels(self.select(within[free], beyond, previous=previous), excluded)
+            return found if free.all() else replace(found, remark=EXCLUDED_POINT_REMARK)
         if previous is not None:
             within, beyond = _append_new_points(previous.inside, within), _append_new_points(previous.outside, beyond)
         if not len(within):
             return VolumeSelection(self, EMPTY_SURFACE, within, beyond, _NO_POINT_REMARK)
         wanted, unwanted = self.find_body_numbers(within), self.find_body_numbers(beyond)
         chosen = np.setdiff1d(wanted, unwanted)
-        voxels = None if previous is None else previous.voxels
+        painted = previous is not None and previous.body is None
+        voxels = previous.voxels if painted else None
         if wanted.all() and len(chosen) and voxels is None:
             remark = _CONFLICTING_BODY_REMARK if np.isin(wanted, unwanted).any() else ""
             found = VolumeSelection(self, self.extract_boundary(chosen), within, beyond, remark)
@@ -197,18 +212,24 @@ class VolumePartition:
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
     def find_candidates(
-        self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
+        self,
+        inside: ArrayLike,
+        outside: ArrayLike = (),
+        *,
+        previous: VolumeSelection | None = None,
+        excluded: Mask | None = None,
     ) -> tuple[VolumeSelection, ...]:
         """Find the different bodies that points, shape (M, 3) [voxels], may mean, from the smallest to the largest.
 
         One of them is the result of `select`, which has the same parameters. The others are predictions in crops of
         other sizes around the first positive point.
         """
-        first = self.select(inside, outside, previous=previous)
+        first = self.select(inside, outside, previous=previous, excluded=excluded)
         found = [first]
         if len(first.inside):
             for body in self._predict_bodies(first.inside[:1]):
                 other = self._correct_body(body, first.inside, first.outside, "")
+                other = other if excluded is None else self.remove_pixels(other, excluded)
                 if other.has_boundary and all(is_different_body(other.volume, one.volume) for one in found):
                     found.append(other)
         return tuple(sorted(found, key=lambda one: one.volume))
@@ -275,6 +296,22 @@ class VolumePartition:
         changed[tuple(at - first)] = True
         known = voxels.mask_in_box(first, changed.shape)
         return voxels.with_box_replaced(first, known | changed if adds else known & ~changed) or voxels
+
+    def remove_pixels(self, selection: VolumeSelection, excluded: Mask) -> VolumeSelection:
+        """Remove voxels from a selection, a mask of the volume, and what they cut off from its positive points."""
+        first, part = selection._boxed_mask
+        taken = excluded[tuple(map(slice, first.tolist(), (first + part.shape).tolist()))]
+        if not (part & taken).any():
+            return selection
+        parts = find_connected_parts(part & ~taken, corners=True)
+        at = self._find_nearest_voxels(selection.inside) - first
+        held = np.zeros(parts.count + 1, np.bool_)
+        held[parts.part_at(at[((at >= 0) & (at < part.shape)).all(axis=1)]) + 1] = True
+        left = (held[1:] if held[1:].any() else np.ones(parts.count, bool))[parts.labels - 1] & (parts.labels > 0)
+        if not left.any():
+            return replace(selection, surface=EMPTY_SURFACE, voxels=None)
+        cut = self.build_selection(PackedVoxels.from_voxels(Voxels(left, tuple(first.tolist()))))
+        return replace(selection, surface=cut.surface, voxels=cut.voxels)
 
     def build_selection(self, body: PackedBody, inside: ArrayLike = (), outside: ArrayLike = ()) -> VolumeSelection:
         """Build the selection of the body of an object, with its points, shape (M, 3) and (K, 3) [voxels]."""
@@ -422,7 +459,7 @@ class VolumeSelection:
             voxelize_surface(there, tuple((end - first).tolist())) if self.has_boundary else np.zeros(end - first, bool)
         )
         for voxels, within in zip(places, (False, True), strict=True):
-            if self.body is not None and self.remark != CONFLICTING_POINT_REMARK:
+            if self.body is not None and self.voxels is None and self.remark != CONFLICTING_POINT_REMARK:
                 part[tuple((voxels - first).T)] = within
         return first, part
 

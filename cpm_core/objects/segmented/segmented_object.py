@@ -152,8 +152,11 @@ class SegmentedObject:
         return collect_points(self.clicks, inside=False)
 
     def encloses(self, places: Array) -> Mask:
-        """Return which points, shape (N, 2) [px], lie inside, shape (N,)."""
+        """Return which points, shape (N, 2) or (N, 3) [px], lie inside, shape (N,); in a volume the nearest voxels."""
         found = np.zeros(len(places), bool)
+        for packed in self.surface:
+            voxels = np.rint(places).astype(np.int64)
+            found |= [bool(packed.as_packed_voxels.mask_in_box(voxel, (1, 1, 1)).all()) for voxel in voxels]
         for curve in self.boundary:
             found ^= polyline.points_inside(curve, places)
         return found
