@@ -11,8 +11,8 @@ The model on one page
    positive charges to edges (`field.convolution`). Its direction is the **Lorentz force** F_l, which passes linearly
    through zero across an edge (`field.scale_field`).
 3. The **particles** all have the same positive charge and repel each other: the **Coulomb force** F_c, eq. (9)
-   (`model.coulomb`), scaled by the local spacing and clipped at one. With many particles, close pairs are summed at
-   every step, and the rest is interpolated from a mesh that is updated every few steps (`model.plane.repulsion`).
+   (`model.coulomb`), scaled by the local spacing and clipped at one. Near pairs alone are summed, since those
+   between screen farther ones (`model.plane.repulsion`).
 4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), where the last term is the **damping**; one **step** advances
    them by eq. (14)-(15) (`model.equations`, `model.plane.motion`). Particles that leave the image are removed.
 5. A particle has **edge contact** where the Lorentz force is weak and the edge strong enough (`model.plane.motion`).
@@ -79,7 +79,6 @@ from cpm_core.contours.faces import Face
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.region_table import Table
-from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.placed_charges import PlacedCharge
@@ -103,6 +102,7 @@ from cpm_core.formats.sessions.session_run import run
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import Extrusion, VolumeRegions
 from cpm_core.medial_axis.centerlines import Centerlines, centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -132,7 +132,7 @@ from cpm_core.model.volume.starts import (
     sphere,
 )
 from cpm_core.notebook import NotebookView, notebook_view
-from cpm_core.objects import Partition, Selection, VolumePartition, VolumeSelection
+from cpm_core.objects import Partition, Selection, VolumePartition
 from cpm_core.pages.follow import follow_pages
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import TrackEvent
@@ -191,7 +191,6 @@ __all__ = [
     "Truth",
     "VolumePartition",
     "VolumeRegions",
-    "VolumeSelection",
     "VolumeTruth",
     "centerlines",
     "circle",

@@ -39,6 +39,10 @@ def test_presets_and_formats_are_named():
     names = {
         "PNG": ".png",
         "TIFF": ".tif .tiff",
+        "whole slides": ".svs .ndpi .scn",
+        "CZI": ".czi",
+        "LIF": ".lif",
+        "ND2": ".nd2",
         "JPEG": ".jpg .jpeg",
         "BMP": ".bmp",
         "PNM": ".pbm .pgm .ppm .pnm",

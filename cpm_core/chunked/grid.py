@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.formats.images.ome_zarr import MultiscaleImage, open_multiscale
+from cpm_core.formats.images.multiscale import MultiscaleImage
+from cpm_core.formats.images.readers import open_levels
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, expand_window, split_into_tiles
 from cpm_core.numerics.types import Array, Extent, frozen
@@ -37,7 +38,7 @@ _OVERLAP_MULTIPLE = 32
 
 @frozen
 class ChunkedSource:
-    """A plane of an image, or a volume, in a Zarr folder; each process opens it by itself."""
+    """A plane of an image, or a volume, that is read in parts; each process opens it by itself."""
 
     path: Path
     reading: Reading
@@ -65,7 +66,9 @@ class ChunkedSource:
 @lru_cache(3)
 def _open_levels(path: Path, reading: Reading) -> MultiscaleImage:
     """Open the levels of an image once in each process."""
-    return open_multiscale(path, reading)
+    levels = open_levels(path, reading)
+    assert levels is not None
+    return levels
 
 
 @frozen

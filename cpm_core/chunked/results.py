@@ -25,7 +25,7 @@ from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenan
 from cpm_core.formats.contours.geojson import build_features
 from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
 from cpm_core.formats.images.resolution import name_column
-from cpm_core.numerics.grids import Window, expand_window, split_into_tiles, window_shape
+from cpm_core.numerics.grids import Window, expand_window, rank_values, split_into_tiles, window_shape
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.formatting import format_count
 from cpm_core.parameters.provenance import Provenance, select_parameters
@@ -85,13 +85,15 @@ def _paint_chunk_labels(found: ChunkedContours, path: Path, chunk: Chunk) -> Non
     contours = [one for one in found.find_contours_near(chunk.core) if one.closed]
     if contours:
         labels = rasterize_labels(_shift_contours(contours, chunk.core), window_shape(chunk.core))
-        write_window(path, 0, chunk.core, np.array([0, *_number_labels(contours)], np.uint32)[labels])
+        numbers, (known, ranks) = _number_labels(contours), rank_values(labels)
+        painted = np.array([numbers.get(label, 0) for label in known.tolist()], np.uint32)[ranks]
+        write_window(path, 0, chunk.core, painted)
 
 
-def _number_labels(contours: Sequence[Contour]) -> list[int]:
-    """Return the number of each label that `rasterize_labels` gives to contours."""
-    known = {label: one.group or one.number for one, label in zip(contours, assign_labels(contours), strict=True)}
-    return [known[label] for label in sorted(known) if label]
+def _number_labels(contours: Sequence[Contour]) -> dict[int, int]:
+    """Return the number of each label that `rasterize_labels` gives to contours, in the order of `measure_regions`."""
+    labels = assign_labels(contours)
+    return {label: one.group or one.number for one, label in zip(contours, labels, strict=True) if label}
 
 
 def _shift_contours(contours: Sequence[Contour], window: Window) -> list[Contour]:
@@ -208,7 +210,8 @@ def _build_table_columns(found: ChunkedContours, chunk: Chunk) -> dict[str, Arra
     long: list[Contour] = []
     for one in own:
         (short if (one.box[0] >= low).all() and (one.box[1] <= high).all() else long).append(one)
-    columns: dict[str, list[Array]] = {"label": [np.array(_number_labels([*short, *long]), np.int64)]}
+    numbers = [*_number_labels(short).values(), *_number_labels(long).values()]
+    columns: dict[str, list[Array]] = {"label": [np.array(numbers, np.int64)]}
     for some in (short, long):
         labels: NDArray[Any] = np.zeros((1, 1), np.int64)
         contours, gray, count = some, None, len(_number_labels(some))

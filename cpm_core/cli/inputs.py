@@ -144,6 +144,10 @@ def load_named_truth(path: str | None, image: Image) -> Truth | VolumeTruth | No
     """Load the given ground truth of this image or volume, if any."""
     if path is None:
         return None
+    truth: Truth | VolumeTruth
     if image.ndim == 3:
-        return load_volume_truth(path, image)
-    return load_truth(path, image.shape, spacing=image.spacing, unit=image.unit, name=image.source, warn=print_message)
+        truth = load_volume_truth(path, image)
+    else:
+        truth = load_truth(path, image.shape, spacing=image.spacing, unit=image.unit, name=image.source)
+    print_notes(truth.source, truth.notes)
+    return truth

@@ -30,7 +30,9 @@ from cpm_core.formats import (
     load_points,
 )
 from cpm_core.formats.common.atomic import check_target, check_writable, find_suffix
-from cpm_core.formats.images.ome_zarr import is_zarr, open_multiscale
+from cpm_core.formats.images.multiscale import MultiscaleImage
+from cpm_core.formats.images.ome_zarr import is_zarr
+from cpm_core.formats.images.readers import open_levels
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, SessionFile
 from cpm_core.formats.sessions.session_run import is_volume_session
@@ -43,7 +45,7 @@ from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject, Texts, frozen
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.evolve import DEFAULT_METHOD
-from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Region, SeedingKind, Shape, Sphere, Stroke
+from cpm_core.shapes import Barrier, Circle, Everywhere, Points, PolygonRegion, SeedingKind, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import collect_regions, select_starts
 
 _OptionNumbers = Mapping[str, Sequence[tuple[float, ...]]]
@@ -168,7 +170,7 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
     part = parse_part(arguments, volume=is_volume)
     parameters = parse_parameters(arguments, PRESETS[preset] if preset else session.parameters)
     path, reading = locate_image(arguments.image, session, arguments.session)
-    is_chunked = _is_chunked(arguments, path)
+    is_chunked = _open_chunked_image(arguments, path) is not None
     if is_chunked:
         _check_chunked_run(arguments, path, parameters, is_volume)
     else:
@@ -216,18 +218,20 @@ def _names_volume(arguments: argparse.Namespace, session: SessionFile) -> bool:
     )
 
 
-def _is_chunked(arguments: argparse.Namespace, path: Path) -> bool:
-    """Tell whether a run works chunk by chunk: everywhere in an image whose format can be read in parts."""
-    return bool(arguments.auto) and is_zarr(path)
+def _open_chunked_image(arguments: argparse.Namespace, path: Path) -> MultiscaleImage | None:
+    """Open the image of a run chunk by chunk: of one everywhere in an image that is read in parts; else None."""
+    if not arguments.auto or not path.name or (path.is_dir() and not is_zarr(path)):
+        return None
+    series: Any = arguments.series and parse_number_or_text(arguments.series)
+    return open_levels(path, Reading(series=series))
 
 
 def _names_chunked_volume(arguments: argparse.Namespace) -> bool:
     """Tell whether the image of such a run has several planes, none of which is named."""
-    path = Path(arguments.image or "")
-    series: Any = arguments.series and parse_number_or_text(arguments.series)
-    if arguments.page or arguments.pages or not _is_chunked(arguments, path):
+    if arguments.page or arguments.pages:
         return False
-    return open_multiscale(path, Reading(series=series)).axis_length("z") > 1
+    levels = _open_chunked_image(arguments, Path(arguments.image or ""))
+    return levels is not None and levels.axis_length("z") > 1
 
 
 def _parse_option_numbers(arguments: argparse.Namespace, is_volume: bool) -> _OptionNumbers:
@@ -254,7 +258,7 @@ def _build_drawn_shapes(arguments: argparse.Namespace, numbers: _OptionNumbers, 
     if is_volume:
         return (*(Sphere(tuple(center), radius) for *center, radius in numbers["sphere"]), *shapes, *everywhere)
     circles = (Circle((row, col), radius) for row, col, radius in numbers["circle"])
-    regions = (Region(group_coordinates(line, 2)) for line in numbers["region"])
+    regions = (PolygonRegion(group_coordinates(line, 2)) for line in numbers["region"])
     barriers = (Barrier(group_coordinates(line, 2)) for line in numbers["barrier"])
     return (*circles, *shapes, *regions, *barriers, *everywhere)
 

@@ -13,14 +13,18 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour, Contours, sample_contours
 from cpm_core.contours.graph import Graph
 from cpm_core.contours.rasterize import rasterize_labels, rasterize_mask
-from cpm_core.contours.surface import Surface, surface_from_labels
+from cpm_core.contours.surface import surface_from_labels
 from cpm_core.image import drawing
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import rank_values
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
-from cpm_core.numerics.types import Array, Extent, Sides, record
+from cpm_core.numerics.types import Array, Extent, Sides, Texts, record
 from cpm_core.parameters.formatting import format_count, format_repr, format_size
 
 Labels = NDArray[np.int32]
+
+MAX_LABEL = int(np.iinfo(np.int32).max)
+"""Largest number of a label that is read, kept and written."""
 
 _MAX_CHANGING_NEIGHBORS = 0.5
 """Largest fraction of neighboring pixels that may differ in a mask; in a noisy image nearly all do."""
@@ -60,6 +64,8 @@ class Truth(_LabeledTruth, drawing.Pictured):
         Boundaries of the objects [px]: between the pixels of a mask, or the contours of a file.
     source : str
         Name of the file for the user.
+    notes : tuple of str
+        What was left out or assumed when the file was read, one sentence each.
 
     Examples
     --------
@@ -75,6 +81,7 @@ class Truth(_LabeledTruth, drawing.Pictured):
     labels: Labels
     contours: tuple[Contour, ...]
     source: str = "ground truth"
+    notes: Texts = ()
 
     @cached_property
     def boundary(self) -> Array:
@@ -181,10 +188,9 @@ def number_gray_levels(values: NDArray[np.generic], source: str) -> tuple[Labels
     levels, ranks, labels = _find_levels(values, source)
     if (levels % 1.0).any():
         return labels, False
-    most = np.iinfo(np.int32).max
-    if levels[-1] > most:
+    if levels[-1] > MAX_LABEL:
         raise ValueError(
-            f"{source} has the label {levels[-1]:.0f}, but the largest that is read is {most}: renumber them."
+            f"{source} has the label {levels[-1]:.0f}, but the largest that is read is {MAX_LABEL}: renumber them."
         )
     return np.r_[0, levels[1:]].astype(np.int32)[ranks], True
 
@@ -264,6 +270,8 @@ class VolumeTruth(_LabeledTruth):
         Name of the file for the user.
     boundary : Surface or None
         Boundaries of the objects, where they are known more precisely than halfway between voxels.
+    notes : tuple of str
+        As for `Truth`.
 
     Raises
     ------
@@ -285,11 +293,11 @@ class VolumeTruth(_LabeledTruth):
     unit: str | None = None
     source: str = "ground truth"
     boundary: Surface | None = None
+    notes: Texts = ()
 
     def __post_init__(self) -> None:
         given = as_real_array(self.labels)
-        most = np.iinfo(np.int32).max
-        if given.ndim != 3 or given.size == 0 or given.min() < 0 or given.max() > most or (given % 1.0).any():
+        if given.ndim != 3 or given.size == 0 or given.min() < 0 or given.max() > MAX_LABEL or (given % 1.0).any():
             raise ValueError(
                 "the labels of a volume must be whole numbers of at least 0 with three axes, but those of "
                 f"{self.source} have the shape {given.shape} and lie between {given.min(initial=0):g} and "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -81,25 +82,13 @@ class Measures:
 
 
 def assign_labels(contours: Contours) -> Integers:
-    """Assign each contour its label: 1, 2, ... for the closed ones in their order, 0 for open ones and holes.
+    """Assign each contour its label: the number of its object, or for other closed ones the next that none has.
 
-    The outlines of one object share a label.
+    Open contours and holes have 0.
     """
-    count = 0
-    labels: list[int] = []
-    of_group: dict[int, int] = {}
-    for contour in contours:
-        known = of_group.get(contour.group)
-        if not contour.closed or contour.hole:
-            labels.append(0)
-        elif known is not None:
-            labels.append(known)
-        else:
-            count += 1
-            labels.append(count)
-            if contour.group:
-                of_group[contour.group] = count
-    return tuple(labels)
+    taken = {contour.group for contour in contours}
+    free = (number for number in itertools.count(1) if number not in taken)
+    return tuple((contour.group or next(free)) if contour.closed and not contour.hole else 0 for contour in contours)
 
 
 def measure(

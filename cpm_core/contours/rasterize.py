@@ -41,11 +41,11 @@ def rasterize_labels(contours: Sequence[Contour], shape: Extent) -> Labels:
     Returns
     -------
     ndarray of uint16 or uint32, shape `shape`
-        Labels, 0 outside every contour; 32 bits where there are more than 65535.
+        Labels, 0 outside every contour; 32 bits above 65535.
     """
     check_plane_shape(shape)
-    mask = np.zeros(shape, label_type(len(contours)))
     labels = assign_labels(contours)
+    mask = np.zeros(shape, label_type(max(labels, default=0)))
     of_group = {contour.group: label for contour, label in zip(contours, labels, strict=True) if label}
     closed = [(contour, label) for contour, label in zip(contours, labels, strict=True) if contour.closed]
     closed.sort(key=lambda pair: -pair[0].area)

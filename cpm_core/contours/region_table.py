@@ -103,9 +103,12 @@ def measure_regions(
     for place, outer in enumerate(around):
         if outer is not None and contours[place].closed:
             inner.setdefault(outer, []).append(place)
+    of_label: dict[int, list[int]] = {}
+    for place, number in enumerate(numbers):
+        if number:
+            of_label.setdefault(number, []).append(place)
     rows = []
-    for label in range(1, max(numbers, default=0) + 1):
-        outlines = [place for place, number in enumerate(numbers) if number == label]
+    for label, outlines in of_label.items():
         holes = [place for outline in outlines for place in inner.get(outline, ()) if place not in outlines]
         rows.append(_measure_region(label, [contours[p] for p in outlines], [contours[p] for p in holes], sides))
     names = list(rows[0]) if rows else list(_measure_region(0, [], [], sides))

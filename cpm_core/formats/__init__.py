@@ -2,13 +2,10 @@
 
 from cpm_core.formats.animation import ANIMATIONS_WRITABLE as ANIMATIONS_WRITABLE
 from cpm_core.formats.animation import check_animation as check_animation
-from cpm_core.formats.animation import check_encoder as check_encoder
 from cpm_core.formats.animation import write_picture as write_picture
 from cpm_core.formats.common.atomic import remove_abandoned_drafts as remove_abandoned_drafts
 from cpm_core.formats.common.atomic import write_together as write_together
 from cpm_core.formats.common.content import UnreadableError as UnreadableError
-from cpm_core.formats.common.content import compute_fingerprint as compute_fingerprint
-from cpm_core.formats.common.json_values import REGION_KEYS as REGION_KEYS
 from cpm_core.formats.common.json_values import array_from_json as array_from_json
 from cpm_core.formats.common.json_values import array_to_json as array_to_json
 from cpm_core.formats.common.json_values import expect_list as expect_list
@@ -32,7 +29,6 @@ from cpm_core.formats.contour_file import decode_contours as decode_contours
 from cpm_core.formats.contour_file import describe_plane as describe_plane
 from cpm_core.formats.contour_file import load_contours as load_contours
 from cpm_core.formats.contour_file import read_contours as read_contours
-from cpm_core.formats.contours.contents import PlaneInfo as PlaneInfo
 from cpm_core.formats.contours.contents import parse_color as parse_color
 from cpm_core.formats.contours.contour_csv import encode_tables_of_images as encode_tables_of_images
 from cpm_core.formats.contours.contour_json import page_from_json as page_from_json
@@ -52,7 +48,6 @@ from cpm_core.formats.images.reading import Reading as Reading
 from cpm_core.formats.images.stack import ONLY_THESE_NOTE as ONLY_THESE_NOTE
 from cpm_core.formats.images.stack import Pages as Pages
 from cpm_core.formats.images.stack import Stack as Stack
-from cpm_core.formats.masks.labels import label_palette as label_palette
 from cpm_core.formats.meshes.swc import load_centerlines as load_centerlines
 from cpm_core.formats.sessions.particle_state import state_from_json as state_from_json
 from cpm_core.formats.sessions.particle_state import state_to_json as state_to_json
@@ -76,7 +71,6 @@ from cpm_core.formats.sessions.session_file import load_session as load_session
 from cpm_core.formats.sessions.session_file import save_session as save_session
 from cpm_core.formats.stack_files import STACKS_WRITABLE as STACKS_WRITABLE
 from cpm_core.formats.stack_files import export_stack as export_stack
-from cpm_core.formats.stack_files import find_stack_suffix as find_stack_suffix
 from cpm_core.formats.surface_file import SURFACES_READABLE as SURFACES_READABLE
 from cpm_core.formats.surface_file import load_surface as load_surface
 from cpm_core.formats.surface_file import read_surface as read_surface

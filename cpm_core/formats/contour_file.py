@@ -7,12 +7,14 @@ import logging
 from collections.abc import Callable
 from dataclasses import field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import label_gray_levels
-from cpm_core.formats.common.content import AnyPath, explain_decoding_errors, read_content
+from cpm_core.formats.common.content import AnySource, explain_decoding_errors, find_local_file, read_content
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
 from cpm_core.formats.contours.contents import CollectedContours, PlaneInfo
 from cpm_core.formats.images.readers import load_image
@@ -59,7 +61,7 @@ class ContourFile:
 
 
 def load_contours(
-    path: AnyPath,
+    path: AnySource,
     image: Image | None = None,
     *,
     page: int | None = None,
@@ -69,7 +71,7 @@ def load_contours(
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A file with one of the suffixes `CONTOURS_READABLE`, written by `export` or by another program, or a label mask,
         whose objects are outlined. The kind of JSON is recognized by its content.
     image : Image, optional
@@ -102,11 +104,12 @@ def load_contours(
     >>> box.closed, box.area
     (True, 36.0)
     """
-    found = read_contours(path, describe_plane(image), page=page)
+    file = find_local_file(path)
+    found = read_contours(file, describe_plane(image), page=page)
     for note in found.notes:
-        warn(f"{Path(path).name}: {note}")
+        warn(f"{file.name}: {note}")
     if not found.contours:
-        raise _no_contours_error(Path(path).name)
+        raise _no_contours_error(file.name)
     return found.contours
 
 
@@ -118,14 +121,14 @@ def describe_plane(image: Image | None) -> PlaneInfo:
     return PlaneInfo((rows, cols), (height, width), image.unit, image.source)
 
 
-def read_contours(path: AnyPath, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int | None = None) -> ContourFile:
+def read_contours(path: AnySource, plane: PlaneInfo = UNKNOWN_PLANE, *, page: int | None = None) -> ContourFile:
     """Read contours and single points, with the shape of the image where the file gives it; see `load_contours`.
 
     A file that holds only single points is no error.
     """
-    file = Path(path)
+    file = find_local_file(path)
     if file.suffix.lower() not in CONTOURS_READABLE:
-        return _read_mask(file)
+        return _read_mask_outlines(file)
     return decode_contours(read_content(file), file.name, plane, page=page)
 
 
@@ -186,12 +189,20 @@ def _no_contours_error(name: str) -> ValueError:
     return ValueError(f"{name} contains no contours: choose a file with at least one line or polygon.")
 
 
-def _read_mask(file: Path) -> ContourFile:
+def read_mask(file: Path) -> tuple[NDArray[Any], Texts]:
+    """Read the gray levels of a mask, or the indices of their colors, shape (H, W), and list what was assumed."""
+    indices = mask.read_color_indices(file)
+    if indices is not None:
+        return indices, ()
+    image = load_image(file)
+    return image.values, image.notes
+
+
+def _read_mask_outlines(file: Path) -> ContourFile:
     """Read the outlines of the objects in a label mask."""
-    labels = mask.read_color_indices(file)
-    if labels is None:
-        labels = label_gray_levels(load_image(file).values, file.name)
-    found = CollectedContours(shape=(labels.shape[0], labels.shape[1]))
+    values, notes = read_mask(file)
+    labels = values if values.dtype.kind == "i" else label_gray_levels(values, file.name)  # indices are labels
+    found = CollectedContours(shape=(labels.shape[0], labels.shape[1]), notes=list(notes))
     for _, curves in mask.find_label_outlines(labels):
         found.add_object(curves)
     return _build_contour_file(found, file.name, None)

@@ -2,42 +2,38 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from cpm_core.contours.ground_truth import Truth, VolumeTruth, label_gray_levels, truth_from_contours, truth_from_mask
 from cpm_core.contours.surface import label_voxels
-from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.contour_file import CONTOURS_READABLE, ContourFile, read_contours
+from cpm_core.formats.common.content import AnySource, find_local_file
+from cpm_core.formats.contour_file import CONTOURS_READABLE, ContourFile, read_contours, read_mask
 from cpm_core.formats.contours.contents import PlaneInfo
-from cpm_core.formats.images.readers import load_image
-from cpm_core.formats.surface_file import SURFACES_READABLE, load_surface, read_aligned_labels, read_overlapping_parts
+from cpm_core.formats.surface_file import SURFACES_READABLE, read_aligned_labels, read_overlapping_parts, read_surface
 from cpm_core.image.image import Image
-
-_LOG = logging.getLogger(__name__)
 
 _MAX_OVERHANG = 1.0
 """Largest distance of a vertex outside the image [px]."""
 
 
 def load_truth(
-    path: AnyPath,
+    path: AnySource,
     shape: Sequence[int],
     *,
     holes: bool = True,
     spacing: Sequence[float] = (1.0, 1.0),
     unit: str | None = None,
     name: str = "",
-    warn: Callable[[str], object] = _LOG.warning,
 ) -> Truth:
     """Read the ground truth of an image.
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A mask, any image that `load_image` reads: its lowest gray level is the background, each other level an object,
         and two levels make one class. Or contours, any file that `load_contours` reads: closed ones are objects.
     shape : sequence of int
@@ -51,13 +47,11 @@ def load_truth(
         Unit of `spacing`.
     name : str, optional
         Name of the image, which selects among those of a COCO file.
-    warn : callable, optional
-        Called with a sentence for each omission; by default a warning is logged.
 
     Returns
     -------
     Truth
-        Objects and boundaries.
+        Objects and boundaries, with ``notes`` on what was left out or assumed.
 
     Raises
     ------
@@ -73,24 +67,23 @@ def load_truth(
     >>> int(truth.objects.max())
     1
     """
-    file, rows, cols = Path(path), *map(int, shape)
+    file, rows, cols = find_local_file(path), *map(int, shape)
     if file.suffix.lower() in CONTOURS_READABLE:
         plane = PlaneInfo((rows, cols), (float(spacing[0]), float(spacing[1])), unit, name)
         found = _read_fitting_contours(file, plane, (rows, cols))
-        for note in found.notes:
-            warn(f"{file.name}: {note}")
-        return truth_from_contours(found.contours, (rows, cols), file.name, holes=holes)
-    image = load_image(file)
-    _check_truth_size(file.name, image.shape, (rows, cols))
-    return truth_from_mask(image.values, file.name)
+        truth = truth_from_contours(found.contours, (rows, cols), file.name, holes=holes)
+        return replace(truth, notes=found.notes)
+    values, notes = read_mask(file)
+    _check_truth_size(file.name, values.shape, (rows, cols))
+    return replace(truth_from_mask(values, file.name), notes=notes)
 
 
-def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
+def load_volume_truth(path: AnySource, volume: Image) -> VolumeTruth:
     """Read the ground truth of a volume.
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A label volume, any file that `load_volume` reads: its lowest gray level is the background, each other level an
         object, and two levels make one class. Or a closed surface, any file that `load_surface` reads.
     volume : Image
@@ -114,18 +107,18 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
     >>> cpm.load_volume_truth("labels.npy", volume)
     <VolumeTruth labels.npy, 31 x 31 x 31 voxels, 1 object>
     """
-    file = Path(path)
+    file = find_local_file(path)
     if file.suffix.lower() in CONTOURS_READABLE:
         raise ValueError(f"{file.name} contains contours, which lie in a plane: choose labels or a surface.")
     if file.suffix.lower() in SURFACES_READABLE or read_overlapping_parts(file):
-        surface = load_surface(file, volume)
+        surface, notes = read_surface(file, volume)
         if not surface.closed:
             raise ValueError(f"The surface of {file.name} is not closed, so nothing is inside: choose another one.")
         labels = label_voxels(surface, volume.shape).astype(np.int32)
-        return VolumeTruth(labels, volume.spacing, volume.unit, file.name, boundary=surface)
-    return VolumeTruth(
-        label_gray_levels(read_aligned_labels(file, volume), file.name), volume.spacing, volume.unit, file.name
-    )
+        return VolumeTruth(labels, volume.spacing, volume.unit, file.name, surface, notes)
+    values, notes = read_aligned_labels(file, volume)
+    labels = label_gray_levels(values, file.name)
+    return VolumeTruth(labels, volume.spacing, volume.unit, file.name, notes=notes)
 
 
 def _read_fitting_contours(file: Path, plane: PlaneInfo, shape: tuple[int, int]) -> ContourFile:

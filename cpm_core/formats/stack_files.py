@@ -16,6 +16,7 @@ from cpm_core.formats.common.json_values import encode_json
 from cpm_core.formats.common.provenance import PROGRAM_NAME, PROVENANCE_KEY, describe_provenance
 from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
 from cpm_core.formats.masks.labels import build_imagej_metadata
+from cpm_core.numerics.grids import rank_values
 from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.pages.page import StackResult
 from cpm_core.results.result import Result
@@ -117,9 +118,8 @@ def write_label_stack(found: StackResult, target: Path) -> None:
 def paint_tracks(result: Result, shape: Extent) -> Labels:
     """Paint the insides of closed contours with their tracks, ints of shape `shape`."""
     numbers = {label: one.number for label, one in zip(assign_labels(result.contours), result.contours, strict=True)}
-    return np.array([0, *(numbers[label] for label in range(1, max(numbers) + 1))])[
-        rasterize_labels(result.contours, shape)
-    ]
+    labels, ranks = rank_values(rasterize_labels(result.contours, shape))
+    return np.array([numbers[label] if label else 0 for label in labels.tolist()])[ranks]
 
 
 _STACK_ENCODERS: dict[str, tuple[str, Callable[[StackResult], bytes]]] = {

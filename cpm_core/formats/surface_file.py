@@ -9,11 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.contours.contour import Label
 from cpm_core.contours.ground_truth import number_gray_levels
-from cpm_core.contours.surface import Surface, join_surfaces, surface_from_labels
+from cpm_core.contours.surface import join_surfaces, surface_from_labels
 from cpm_core.formats.common.atomic import find_suffix
-from cpm_core.formats.common.content import AnyPath, explain_decoding_errors, read_content
+from cpm_core.formats.common.content import AnySource, explain_decoding_errors, find_local_file, read_content
 from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.readers import IMAGES_READABLE, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading
@@ -22,8 +21,9 @@ from cpm_core.formats.masks import dicom_seg, itk_snap, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, vtk
 from cpm_core.formats.meshes.coordinates import find_voxel_transform
 from cpm_core.formats.meshes.triangles import ParsedTriangles
-from cpm_core.image.geometry import Convention
+from cpm_core.image.geometry import Convention, Geometry, geometry_from_affine
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Label, Surface
 from cpm_core.numerics.types import Array, Texts
 
 _LOG = logging.getLogger(__name__)
@@ -50,7 +50,7 @@ _MAX_PART_MISALIGNMENT = 0.2
 
 
 def load_surface(
-    path: AnyPath,
+    path: AnySource,
     image: Image | None = None,
     *,
     space: Convention | None = None,
@@ -60,7 +60,7 @@ def load_surface(
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A file with one of the suffixes `SURFACES_READABLE`, written by `export` or by another program. Or a volume of
         labels, which is 0 outside: the surface runs between its voxels.
     image : Image, optional
@@ -90,15 +90,16 @@ def load_surface(
     >>> bool(np.abs(surface.vertices - result.surface.vertices).max() < 0.001), surface.closed
     (True, True)
     """
-    surface, notes = read_surface(path, image, space)
+    file = find_local_file(path)
+    surface, notes = read_surface(file, image, space)
     for note in notes:
-        warn(f"{Path(path).name}: {note}")
+        warn(f"{file.name}: {note}")
     return surface
 
 
-def read_surface(path: AnyPath, image: Image | None = None, space: Convention | None = None) -> tuple[Surface, Texts]:
+def read_surface(path: AnySource, image: Image | None = None, space: Convention | None = None) -> tuple[Surface, Texts]:
     """Read a surface, and list what was assumed; see `load_surface`."""
-    file = Path(path)
+    file = find_local_file(path)
     if file.suffix.lower() not in SURFACES_READABLE:
         return _read_label_surfaces(file, image)
     return decode_surface(read_content(file), file.name, image, space)
@@ -147,17 +148,17 @@ def _read_label_surfaces(file: Path, image: Image | None) -> tuple[Surface, Text
             )
         return replace(join_surfaces(bodies, image.spacing, image.unit), labels=tuple(names)), ()
     volume = image or load_volume(file)
-    values = volume.values if image is None else read_aligned_labels(file, image)
+    values, notes = (volume.values, volume.notes) if image is None else read_aligned_labels(file, image)
     labels, whole = number_gray_levels(values, file.name)
     surface = surface_from_labels(labels, volume.spacing, volume.unit)
     known = tuple(one.label for one in nrrd.read_segments(file)) or itk_snap.read_sibling_description(
         file, find_suffix(file, IMAGES_READABLE)
     )
     if known and not whole:
-        return surface, ("Its values are no whole numbers, so that the names of its labels were left out.",)
+        return surface, (*notes, "Its values are no whole numbers, so that the names of its labels were left out.")
     if known and surface.numbers is None:
         surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))
-    return replace(surface, labels=known), ()
+    return replace(surface, labels=known), notes
 
 
 def read_overlapping_parts(file: Path) -> Iterable[tuple[Label, Sequence[DecodedImage]]]:
@@ -166,8 +167,8 @@ def read_overlapping_parts(file: Path) -> Iterable[tuple[Label, Sequence[Decoded
         return dicom_seg.read_dicom_seg(file) or nrrd.read_overlapping_segments(file, nrrd.read_segments(file)) or ()
 
 
-def read_aligned_labels(file: Path, volume: Image) -> Array:
-    """Read the values of a label volume in the axis order of the volume that it belongs to.
+def read_aligned_labels(file: Path, volume: Image) -> tuple[Array, Texts]:
+    """Read the values of a label volume in the axis order of the volume that it belongs to, and list what was assumed.
 
     If only a part of it was saved, as some programs do around nonzero labels, the rest is 0. The values have the shape
     of `volume`. ValueError when the file cannot be read, has another size, or lies elsewhere in space.
@@ -177,7 +178,7 @@ def read_aligned_labels(file: Path, volume: Image) -> Array:
         found = read_volume(stack, Reading())
     values = np.zeros(volume.shape)
     _add_aligned_labels(found, file.name, volume, values)
-    return values
+    return values, found.notes
 
 
 def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Array) -> None:
@@ -185,35 +186,56 @@ def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Ar
 
     `into` has the shape of `volume`. ValueError when labels lie elsewhere in space, or have another size.
     """
-    from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
-
     values: Array = np.asarray(labels.values, float)
     part: tuple[slice, ...] = (slice(None),) * 3
     if labels.geometry is not None and volume.geometry is not None:
-        spacing = labels.spacing
-        if len(values) == 1:  # a slice, as thick as those of the volume
-            across = labels.geometry.affine((1.0, 1.0, 1.0), "LPS")[:3, 0]
-            thick = np.abs(np.linalg.solve(volume.geometry.affine(volume.spacing, "LPS")[:3, :3], across)).max()
-            spacing = (1.0 / float(thick), *spacing[1:])
-        measured = labels.unit == volume.unit and np.allclose(sorted(spacing), sorted(volume.spacing), rtol=1e-3)
-        sides = (spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else spacings were set by hand
-        there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
-        to_volume = np.linalg.solve(here, there)
-        turn = io_orientation(to_volume)
-        lies = to_volume @ inv_ornt_aff(turn, values.shape)
-        values, most = apply_orientation(values, turn), _MAX_MISALIGNMENT
-        first = np.rint(lies[:3, 3]).astype(int)
-        last = first + values.shape
-        if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
-            lies[:3, 3] -= first
-            part, most = tuple(map(slice, first, last)), _MAX_PART_MISALIGNMENT
-        aside = np.abs(lies - np.eye(4))[:3]
-        if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > most:
+        qform, _ = geometry_from_affine(volume.geometry.qform_affine(volume.spacing)[:, [2, 1, 0, 3]], "LPS")
+        places = (volume.geometry, replace(qform, convention=volume.geometry.convention))
+        aligned = (_align_labels(labels, labels.geometry, volume, place) for place in places)
+        found = next(filter(None, aligned), None)
+        if found is None:
             raise ValueError(
                 f"{name} lies elsewhere in space than {volume.source}: choose the labels of this volume, or "
                 "save them without a place, as .npy or .tif."
             )
+        values, part = found
     if values.shape != into[part].shape:
         has, wanted = (" x ".join(map(str, shape)) for shape in (labels.values.shape, volume.shape))
         raise ValueError(f"{name} has {has} voxels, but this volume has {wanted}: choose the labels of this volume.")
     into[part] += values
+
+
+def _align_labels(
+    labels: DecodedImage, lies_at: Geometry, volume: Image, place: Geometry
+) -> tuple[Array, tuple[slice, ...]] | None:
+    """Turn the values of labels as a volume lies at a place, by its sform or qform; None if they lie elsewhere.
+
+    Returns
+    -------
+    values : ndarray
+        The values, in the axis order of the volume.
+    part : tuple of slice
+        The voxels that they are of.
+    """
+    from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
+
+    values: Array = np.asarray(labels.values, float)
+    part: tuple[slice, ...] = (slice(None),) * 3
+    spacing = labels.spacing
+    if len(values) == 1:  # a slice, as thick as those of the volume
+        across = lies_at.affine((1.0, 1.0, 1.0), "LPS")[:3, 0]
+        thick = np.abs(np.linalg.solve(place.affine(volume.spacing, "LPS")[:3, :3], across)).max()
+        spacing = (1.0 / float(thick), *spacing[1:])
+    measured = labels.unit == volume.unit and np.allclose(sorted(spacing), sorted(volume.spacing), rtol=1e-3)
+    sides = (spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else spacings were set by hand
+    to_volume = np.linalg.solve(place.affine(sides[1], "LPS"), lies_at.affine(sides[0], "LPS"))
+    turn = io_orientation(to_volume)
+    lies = to_volume @ inv_ornt_aff(turn, values.shape)
+    values, most = apply_orientation(values, turn), _MAX_MISALIGNMENT
+    first = np.rint(lies[:3, 3]).astype(int)
+    last = first + values.shape
+    if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
+        lies[:3, 3] -= first
+        part, most = tuple(map(slice, first, last)), _MAX_PART_MISALIGNMENT
+    aside = np.abs(lies - np.eye(4))[:3]
+    return (values, part) if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() <= most else None

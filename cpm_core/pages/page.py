@@ -11,6 +11,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
+from cpm_core.numerics.grids import rank_values
 from cpm_core.numerics.types import Integers, JsonObject, frozen, record
 from cpm_core.pages.tracks import TrackEvent, find_origins
 from cpm_core.parameters.formatting import format_count, format_repr
@@ -159,9 +160,7 @@ def _measure_gray_means(result: Result) -> list[float | None]:
     labels = assign_labels(result.contours)
     if result.image is None:
         return [contour.gray for contour in result.contours]
-    painted, most = rasterize_labels(result.contours, result.shape).ravel(), max(labels, default=0) + 1
-    sums = np.bincount(painted, result.image.values.ravel(), most)
-    counts = np.bincount(painted, minlength=most)
-    return [
-        round(sums[label] / counts[label], _MEASURE_DECIMALS) if label and counts[label] else None for label in labels
-    ]
+    painted, ranks = rank_values(rasterize_labels(result.contours, result.shape))
+    means = np.bincount(ranks.ravel(), result.image.values.ravel()) / np.bincount(ranks.ravel())
+    known = dict(zip(painted.tolist(), means.tolist(), strict=True))
+    return [round(known[label], _MEASURE_DECIMALS) if label and label in known else None for label in labels]

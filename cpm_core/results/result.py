@@ -15,10 +15,11 @@ from cpm_core.contours.faces import Face, find_faces
 from cpm_core.contours.measurements import assign_labels, compute_centroid
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.region_table import Table, measure_regions, measure_volume_objects
-from cpm_core.contours.surface import Surface, label_voxels
+from cpm_core.contours.surface import label_voxels
 from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Array, Arrays, Extent, Sides, record
@@ -111,10 +112,11 @@ class Result(drawing.Pictured):
     def labels(self) -> NDArray[np.int32]:
         """Label of each pixel or voxel, an array in the shape of the image, read-only; 0 outside.
 
-        Every closed contour fills its inside with its own label, counted from 1 in the order of `contours`; one inside
-        another has its own, so that the hole of a ring differs from the ring. The holes of selected objects have the
-        label 0. Open contours have none; see `faces`. In a volume each object inside a closed surface has a label, the
-        largest 1; without such a surface all are 0. Files of labels hold the same array.
+        Every closed contour fills its inside with its own label: the number of its object, or else counted from 1 in
+        the order of `contours`. One inside another has its own, so that the hole of a ring differs from the ring. The
+        holes of selected objects have the label 0. Open contours have none; see `faces`. In a volume each object inside
+        a closed surface has a label, the largest 1; without such a surface all are 0. Files of labels hold the same
+        array.
         """
         found = np.zeros(self.shape, np.int32)
         if self.surface is not None and self.surface.closed:
@@ -145,7 +147,7 @@ class Result(drawing.Pictured):
 
     @cached_property
     def objects(self) -> FoundObjects:
-        """The objects that the run proposes, each a `Selection`, in a volume a `VolumeSelection`; the best first.
+        """The objects that the run proposes, the best first.
 
         A run from everywhere, as from a grid, proposes all objects of the image, or all bodies inside the surface. One
         from drawn starts proposes the object of each of them. They are found at the first access, which takes some

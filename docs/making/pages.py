@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from docs.making import command_line, figures, formats, notebooks, parameters, reference, rows
+from docs.making import command_line, figures, formats, headers, notebooks, parameters, reference, rows
 
 ROOT = Path(__file__).parents[2]
 """The folder of the project."""
@@ -17,6 +17,7 @@ TABLES: Mapping[str, Callable[[], str]] = {
     "presets": parameters.presets,
     "readable": formats.readable,
     "writable": formats.writable,
+    "headers": headers.headers,
     "contours_readable": formats.contours_readable,
     "surfaces_readable": formats.surfaces_readable,
     "rows": rows.table,

@@ -17,7 +17,7 @@ import cpm_core as cpm
 from cpm_core.formats import CENTERLINES_WRITABLE, CONTOURS_WRITABLE, VOLUMES_WRITABLE
 from cpm_core.parameters import PARAMETERS
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
-from docs.making import command_line, formats, notebooks, pages, parameters, reference, rows
+from docs.making import command_line, formats, headers, notebooks, pages, parameters, reference, rows
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -129,3 +129,21 @@ def test_examples_of_pages_are_python_that_names_what_there_is(page):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "cpm"
     }
     assert named <= set(cpm.__all__)
+
+
+@pytest.mark.parametrize(
+    ("kind", "entry", "note"),
+    [
+        ("TIFF", "PhysicalSize", "Gray levels were calibrated as its description says."),
+        ("NIfTI, Analyze 7.5", "sform_code", "Its qform is not valid and was left out."),
+        ("DICOM", "ImagePositionPatient", "It counts from white to black and was inverted."),
+        ("MetaImage", "elementspacing", ""),
+        ("NRRD", "space directions", ""),
+    ],
+)
+def test_what_readers_take_and_report_is_listed(kind, entry, note):
+    (line,) = (line for line in headers.headers().splitlines() if line.startswith(f"| {kind} |"))
+    _, _, entries, notes, _ = line.split("|")
+    assert f"`{entry}`" in entries
+    assert note in notes
+    assert "is damaged" not in notes

@@ -22,9 +22,13 @@ def reader_of(path: str | Sequence[str]) -> Callable[[str | Sequence[str]], list
 
 
 def _read_layers(path: str | Sequence[str]) -> list[LayerData]:
+    from napari.utils.notifications import show_info  # only here, because napari itself takes long to import
+
     layers: list[LayerData] = []
     for file in _list_paths(path):
         found = read_contours(file)
+        for note in found.notes:
+            show_info(f"{file.name}: {note}")
         if found.contours:
             layers.append(build_contour_layer(found.contours, file.stem, found.shape or ()))
         if len(found.points):

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import hashlib
 import logging
 import os
+import shutil
 import stat
+import tempfile
 import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
 from cpm_core.numerics.types import Callback, Integers
 
 AnyPath = str | os.PathLike[str]
+
+AnySource = AnyPath | IO[bytes]
+"""A path, an address that fsspec knows, such as s3://bucket/name.tif, or an open file."""
 
 MAX_FILE_SIZE = 2**29
 """Largest size of a file of contours or of a surface [bytes]."""
@@ -56,6 +63,32 @@ class UnreadableError(ValueError):
 
 class MissingFileError(FileNotFoundError, ValueError):
     """A file does not exist."""
+
+
+def find_local_file(source: AnySource) -> Path:
+    """Return the path of a file; of an open file, and of one at an address, a copy that lasts as long as the program.
+
+    Raises
+    ------
+    ValueError
+        When there is no file at an address, or a package that its kind of address needs is missing.
+    """
+    if not isinstance(source, str | os.PathLike):
+        copy = Path(tempfile.mkdtemp(prefix="cpm-")) / Path(str(getattr(source, "name", "file"))).name
+        atexit.register(shutil.rmtree, copy.parent, ignore_errors=True)
+        copy.write_bytes(source.read())
+        return copy
+    if not isinstance(source, str) or not ("://" in source or "::" in source):
+        return Path(source)
+    try:
+        import fsspec  # only here, because most files are local
+
+        return Path(fsspec.open_local(f"simplecache::{source}", simplecache={"same_names": True}))
+    except ImportError as error:
+        package = error.name or "fsspec"
+        raise UnreadableError(missing_package_message(source, package, package)) from None
+    except Exception as error:  # of any kind of address
+        raise UnreadableError(f"{source} cannot be read: {str(error) or type(error).__name__}.") from error
 
 
 def format_location(file: Path) -> str:

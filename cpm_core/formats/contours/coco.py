@@ -38,7 +38,7 @@ _HOLES_KEY = "holes"
 
 
 def encode_coco(result: Outcome) -> bytes:
-    """Write an instance for each label of the label mask, with its net area and its box.
+    """Write an instance for each label of the label mask, which is its id, with its net area and its box.
 
     Classes, or else names, become categories. Coordinates are (x, y) in px from the corner of the image. An instance
     with nothing inside it is one polygon, or several for an object of several parts. Polygons of this format have no
@@ -62,11 +62,11 @@ def encode_coco(result: Outcome) -> bytes:
     height, width = result.shape
     instances: list[JsonDict] = []
     for label, pairs in sorted(parts.items()):
-        first, measures = pairs[0]
+        first, _ = pairs[0]
         polygons = [_flatten_polygon(contour) for contour, _ in pairs]
         corners = np.reshape(np.concatenate(polygons), (-1, 2))
         instance = {
-            "id": measures.number,
+            "id": label,
             "image_id": 1,
             "category_id": 1 + categories.index(_category_name(first)),
             "segmentation": polygons,

@@ -10,17 +10,21 @@ import csv
 import io
 from collections.abc import Callable, Iterable, Sequence
 from itertools import chain, groupby
+from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import assign_numbers
+from cpm_core.contours.contour import Contour, assign_numbers
 from cpm_core.contours.measurements import assign_labels, compute_centroid, measure
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import escape_cell, unescape_cell
 from cpm_core.formats.common.provenance import Outcome, describe_provenance, flatten_provenance
 from cpm_core.formats.contours.contents import CollectedContours
 from cpm_core.formats.images.resolution import ascii_unit, name_column
+from cpm_core.formats.meshes.coordinates import to_file_coordinates
+from cpm_core.image.surface import Label
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.polyline import path_length
 from cpm_core.pages.page import StackResult
 from cpm_core.results.result import Result
 
@@ -140,19 +144,21 @@ def _build_measure_rows(result: Outcome) -> list[Row]:
 
 
 def encode_object_table(result: Outcome) -> bytes:
-    """Tabulate the regions enclosed by closed contours, or the objects in a volume, one per row.
+    """Tabulate the regions enclosed by closed contours, the open objects, or the objects in a volume, one per row.
 
     The columns are those of `Result.table`, in the unit of the image if it is known, which ends their names
-    (``area_um2``). For boundaries of objects, ``object`` is the number, ``class`` the class and ``confidence`` the
-    confidence; objects in a volume, whose number is ``label``, have a name and a class. For a skeleton it is the table
-    of `encode_measures`. ValueError when nothing is enclosed.
+    (``area_um2``), and name, class, color and confidence of objects, whose number is ``label``; in a
+    volume with a place in space also the center in it (``x_LPS_mm``). An open object has no
+    area and no pixels of its own, but a ``length``. For a skeleton it is the table of `encode_measures`. ValueError
+    when there is no object.
     """
     if isinstance(result, Skeleton):
         return encode_measures(result)
     rows = _build_object_rows(result)
     if not rows:
         raise ValueError(
-            f"{result.source} has no closed contour, so a table of objects would be empty: continue the run."
+            f"{result.source} has no closed contour and no object, so a table of objects would be empty: continue the "
+            "run."
         )
     return encode_csv_rows(rows)
 
@@ -169,34 +175,58 @@ def encode_tables_of_images(results: Iterable[Result]) -> bytes:
 def _build_object_rows(result: Result) -> list[Row]:
     """Build the rows of `encode_object_table`."""
     measured = result.table(in_units=bool(result.unit))
-    firsts = {label: one for label, one in zip(assign_labels(result.contours), result.contours, strict=True) if label}
-    bodies = {} if result.surface is None else {body.number: body for body in result.surface.labels}
+    labels = assign_labels(result.contours)
+    known: dict[int, Contour | Label] = {
+        label: one for label, one in zip(labels, result.contours, strict=True) if label
+    }
+    known |= {} if result.surface is None else {body.number: body for body in result.surface.labels}
     columns: Row = {}
     for name, unit in measured.units.items():
         columns[name_column(name, unit)] = measured[name].tolist()
     rows: list[Row] = []
+    unit, sides = ascii_unit(result.unit, "px"), result.spacing if result.unit else (1.0,) * len(result.shape)
     for values in zip(*columns.values(), strict=True):
         row = {
             name: f"{value:.7g}" if isinstance(value, float) else value
             for name, value in zip(columns, values, strict=True)
         }
-        first = firsts.get(int(row["label"]))
-        if first is not None:
-            row["name"] = escape_cell(first.name)
-            if first.group:
-                row |= {"object": first.group, "class": escape_cell(first.category), "color": first.color}
-                row["confidence"] = "" if first.confidence is None else f"{first.confidence:.3g}"
-        elif (body := bodies.get(int(row["label"]))) is not None:
-            row |= {"name": escape_cell(body.name), "class": escape_cell(body.category), "color": body.color}
-        rows.append(row | build_provenance_cells(result))
-    return rows
+        if len(result.shape) == 3 and result.geometry is not None:
+            center = np.array([float(row[name]) for name in columns if name.startswith("centroid")])
+            place = to_file_coordinates(center / sides, result.spacing, result.geometry)
+            row |= {f"{axis}_LPS_{unit}": f"{at:.7g}" for axis, at in zip("xyz", place.tolist(), strict=True)}
+        rows.append(row | _name_object(known.get(int(row["label"]))))
+    lengths = dict[int, float]()
+    for one in result.contours:
+        if one.group and not one.closed:
+            known[one.group] = one
+            lengths[one.group] = lengths.get(one.group, 0.0) + path_length(one.path * sides)
+    for number, length in lengths.items():
+        rows.append({"label": number, f"length_{unit}": f"{length:.7g}"} | _name_object(known[number]))
+    origin = build_provenance_cells(result)
+    return [row | origin for row in rows]
+
+
+def _name_object(known: Contour | Label | None) -> Row:
+    """Build the cells of the name, class, color and confidence of an object; none of what is no object."""
+    if known is None:
+        return {}
+    if isinstance(known, Contour) and not known.group:
+        return {"name": escape_cell(known.name)}
+    confidence = known.confidence if isinstance(known, Contour) else None
+    return {
+        "name": escape_cell(known.name),
+        "class": escape_cell(known.category),
+        "color": known.color,
+        "confidence": "" if confidence is None else f"{confidence:.3g}",
+    }
 
 
 def encode_page_vertices(found: StackResult) -> bytes:
     """Tabulate the vertices of the contours on all pages of a stack, one per row.
 
-    Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), and those of
-    `encode_vertices` except ``contour``; ``label`` is the label in the label stack: the track, or 0 when open.
+    Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), ``parent`` (track that it
+    split off), ``end`` (how it comes to its end), and those of `encode_vertices` except ``contour``; ``label`` is
+    the label in the label stack: the track, or 0 when open.
     """
     return encode_csv_rows(_build_page_rows(found, _build_vertex_rows), ("page", "track"))
 
@@ -204,9 +234,9 @@ def encode_page_vertices(found: StackResult) -> bytes:
 def encode_page_measures(found: StackResult) -> bytes:
     """Tabulate the measures of the contours on all pages of a stack, one contour per row.
 
-    Columns: ``page``, ``track``, ``centroid_row`` and ``centroid_col`` (centroid of the enclosed area, or of the line
-    of an open contour [px]), and those of `encode_measures` except ``contour``, with ``mean_gray``; ``label`` is the
-    label in the label stack, and ``inside`` the track of the contour around it.
+    Columns: ``page``, ``track``, ``parent``, ``end``, ``centroid_row`` and ``centroid_col`` (centroid of the enclosed
+    area, or of the line of an open contour [px]), and those of `encode_measures` except ``contour``, with
+    ``mean_gray``; ``label`` is the label in the label stack, and ``inside`` the track of the contour around it.
     """
 
     def build_rows_with_centroids(result: Outcome) -> list[Row]:
@@ -222,10 +252,14 @@ def encode_page_measures(found: StackResult) -> bytes:
 def _build_page_rows(found: StackResult, build_rows: Callable[[Outcome], list[Row]]) -> list[Row]:
     """Build the rows of all pages, with page and track in front."""
     rows: list[Row] = []
+    tracks = {track.number: track for track in found.tracks}
     for page, result in found.results:
         for row in build_rows(result):
-            track = row.pop("contour")
-            rows.append({"page": page, "track": track} | row | {"label": track if row["label"] else 0})
+            number: Any = row.pop("contour")
+            track = tracks[number]
+            end = "" if track.end is None else " into ".join(map(str, (track.end.kind, *track.end.others)))
+            place: Row = {"page": page, "track": number, "parent": track.origin or "", "end": end}
+            rows.append(place | row | {"label": number if row["label"] else 0})
     return rows
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 
 import numpy as np
 
-from cpm_core.formats.common.content import AnyPath, read_content
+from cpm_core.formats.common.content import AnySource, find_local_file, read_content
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours.contour_csv import Row, build_provenance_cells, encode_csv_rows
 from cpm_core.numerics.types import Array, Integers
@@ -33,12 +32,12 @@ def encode_points(result: Outcome) -> bytes:
     return encode_csv_rows(rows)
 
 
-def load_points(path: AnyPath, axes: int = 2) -> Array:
+def load_points(path: AnySource, axes: int = 2) -> Array:
     """Read points from a CSV file.
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A text file with one point per line, row and column in px, separated by a comma. With a header that names the
         columns ``row`` and ``col``, these are used in any order, so an exported contour table can be read back.
     axes : int
@@ -61,7 +60,7 @@ def load_points(path: AnyPath, axes: int = 2) -> Array:
     >>> bool(np.abs(cpm.load_points("ball.points.csv", axes=3) - result.particles).max() < 0.001)
     True
     """
-    file = Path(path)
+    file = find_local_file(path)
     try:
         text = read_content(file).decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 from cpm_core.formats.common.content import UnreadableError, missing_package_message
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, DecodedImage
-from cpm_core.formats.images.reading import Reading, select_index, select_series
-from cpm_core.formats.images.stack import Stack
+from cpm_core.formats.images.multiscale import MultiscaleImage
+from cpm_core.formats.images.reading import Reading, select_series
+from cpm_core.formats.images.stack import Stack, stack_from_levels
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Extent, JsonDict, Texts, record
-from cpm_core.parameters.formatting import format_size
+from cpm_core.numerics.types import Extent, JsonDict
 
 FILE_KINDS = {".zarr": "OME-Zarr image"}
 
@@ -41,93 +40,6 @@ _AXIS_LETTERS = "tczyx"
 def is_zarr(folder: Path) -> bool:
     """Return whether a folder is a Zarr array or group."""
     return any((folder / mark).is_file() for mark in _ZARR_MARKERS)
-
-
-@record
-class MultiscaleImage:
-    """An image at several resolutions, none of which has been read.
-
-    Attributes
-    ----------
-    name : str
-        Name of the file.
-    arrays : tuple of zarr.Array
-        The levels, finest first.
-    axes : str
-        One letter for each axis of the arrays, t, c, z, y or x, in the order in which they are stored.
-    spacing : tuple of float
-        Size of a voxel of the finest level along (plane, row, col), in `unit`.
-    unit : str or None
-        Unit of length; None if unknown.
-    series : tuple of str
-        Names of all images of the file; empty if it holds only one.
-    series_number : int
-        Index of this image among them, from 0.
-    """
-
-    name: str
-    arrays: tuple[Any, ...]
-    axes: str
-    spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    unit: str | None = None
-    series: Texts = ()
-    series_number: int = 0
-
-    def axis_length(self, axis: str, level: int = 0) -> int:
-        """Return the length of an axis given by its letter; 1 if there is none."""
-        return int(self.arrays[level].shape[self.axes.index(axis)]) if axis in self.axes else 1
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Rows and columns of the finest level."""
-        return self.axis_length("y"), self.axis_length("x")
-
-    def read_planes(self, level: int, time: int, channel: int, planes: slice, window: Window) -> NDArray[Any]:
-        """Read part of a level at a time and in a channel, shape (planes, rows, columns)."""
-        chosen: dict[str, int | slice] = {"t": time, "c": channel, "z": planes, "y": window[0], "x": window[1]}
-        found: NDArray[Any] = np.asarray(self.arrays[level][tuple(chosen[axis] for axis in self.axes)])
-        stored = [axis for axis in self.axes if axis in "zyx"]
-        found = found.transpose([stored.index(axis) for axis in "zyx" if axis in stored])
-        return found if "z" in stored else found[None]
-
-    def find_finer_planes(self, level: int, time: int, channel: int, plane: int) -> tuple[FinerPlane, ...]:
-        """Find a plane in the levels before one, finest first, as long as each has twice as many rows as the next."""
-        found: list[FinerPlane] = []
-        while level > 0 and abs(self.axis_length("y", level - 1) - 2 * self.axis_length("y", level)) <= 1:
-            level -= 1
-            found.insert(0, FinerPlane(self, level, time, channel, plane))
-        return tuple(found)
-
-    def read_window(self, window: Window, reading: Reading) -> NDArray[Any]:
-        """Read a window of the finest level, shape of the window: of all planes, or the selected or first one."""
-        chosen = (("time", reading.time, "t"), ("channel", reading.channel, "c"), ("page", reading.page, "z"))
-        time, channel, plane = (
-            select_index(what, given, self.axis_length(at), 0, self.name) for what, given, at in chosen
-        )
-        if len(window) == 3:
-            return self.read_planes(0, time, channel, window[0], window[1:])
-        return self.read_planes(0, time, channel, slice(plane, plane + 1), window)[0]
-
-
-@record
-class FinerPlane:
-    """A plane of a level, parts of which are read on demand."""
-
-    levels: MultiscaleImage
-    level: int
-    time: int
-    channel: int
-    plane: int
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Numbers of rows and columns."""
-        return self.levels.axis_length("y", self.level), self.levels.axis_length("x", self.level)
-
-    def __getitem__(self, window: Window) -> NDArray[Any]:
-        """Read the gray levels of a window."""
-        plane = slice(self.plane, self.plane + 1)
-        return self.levels.read_planes(self.level, self.time, self.channel, plane, window)[0]
 
 
 def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage:  # noqa: B008 - a frozen value
@@ -183,40 +95,7 @@ def _combine_scales(entry: Mapping[str, Any]) -> NDArray[np.float64]:
 
 def open_image_file(path: Path, reading: Reading) -> Stack:
     """Open an image at the finest level with a moderate number of pixels."""
-    levels = open_multiscale(path, reading)
-    planes = levels.axis_length("z")
-    fitting = (
-        k for k in range(len(levels.arrays)) if math.prod(levels.axis_length(a, k) for a in "zyx") <= MAXIMUM_PIXELS
-    )
-    level = next(fitting, len(levels.arrays) - 1)
-    shape = (levels.axis_length("z", level), levels.axis_length("y", level), levels.axis_length("x", level))
-
-    def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
-        values = levels.read_planes(level, time, channel, slice(first, end), (slice(None), slice(None)))
-        same = planes == shape[0] and end == first + 1
-        return DecodedImage(values, finer=levels.find_finer_planes(level, time, channel, first) if same else ())
-
-    notes: Texts = ()
-    if level:
-        notes = (
-            f"It has {format_size(levels.shape)}, of which level {level} was opened, {shape[1]} x {shape[2]} px; "
-            "cpm run with --auto works on all of them.",
-        )
-    sides = (planes / shape[0], levels.shape[0] / shape[1], levels.shape[1] / shape[2])
-    deep, row, col = (size * side for size, side in zip(levels.spacing, sides, strict=True))
-    return Stack(
-        levels.name,
-        shape,
-        read_planes,
-        float(levels.arrays[level].dtype.itemsize),
-        levels.axis_length("t"),
-        levels.axis_length("c"),
-        (deep, row, col),
-        levels.unit,
-        notes=notes,
-        series=levels.series,
-        series_number=levels.series_number,
-    )
+    return stack_from_levels(open_multiscale(path, reading))
 
 
 def create_multiscale(

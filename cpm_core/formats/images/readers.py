@@ -18,16 +18,18 @@ from numpy.typing import ArrayLike
 
 from cpm_core.formats.common.content import (
     AnyPath,
+    AnySource,
     UnreadableError,
     compute_fingerprint,
     explain_decoding_errors,
+    find_local_file,
     read_content,
 )
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import (
-    analyze,
     dicom,
     metaimage,
+    microscopy,
     nifti,
     nrrd,
     numpy_array,
@@ -37,6 +39,7 @@ from cpm_core.formats.images import (
     tiff,
 )
 from cpm_core.formats.images.decoded import DecodedImage
+from cpm_core.formats.images.multiscale import MultiscaleImage
 from cpm_core.formats.images.reading import Reading, check_unit
 from cpm_core.formats.images.stack import PageAxis, Pages, Stack, read_plane, read_volume
 from cpm_core.image.colors import LUMINANCE_CHOICE, LUMINANCE_NOTE, gray_from_color
@@ -59,16 +62,22 @@ class ImageReader(Protocol):
         """Open a file of one or several planes; a damaged one may raise any exception."""
 
 
-_IMAGE_READERS: tuple[ImageReader, ...] = (dicom, tiff, numpy_array, nifti, analyze, nrrd, metaimage, raster)
+_IMAGE_READERS: tuple[ImageReader, ...] = (
+    dicom,
+    tiff,
+    microscopy,
+    numpy_array,
+    nifti,
+    nrrd,
+    metaimage,
+    raster,
+)
 """Readers in the order they are tried: DICOM files may begin like TIFF, and the last one takes what no other reads."""
 
 _SIGNATURE_SIZE = 512
 """Bytes that identify a format; signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
 
 _FOREIGN_SIGNATURES: tuple[tuple[int, bytes, str], ...] = (
-    (0, b"ZISRAWFILE", "a CZI file of Zeiss"),
-    (0, b"\xda\xce\xbe\x0a", "an ND2 file of Nikon"),
-    (0, b"p\0\0\0", "a LIF file of Leica"),
     (0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an OIB or ZVI file of a microscope, or a document"),
     (0, b"\x89HDF\r\n\x1a\n", "an HDF5 file"),
     (0, b"MATLAB 5.0 MAT-file", "a MATLAB file"),
@@ -98,7 +107,7 @@ def is_image_name(name: str) -> bool:
 
 
 def load_image(
-    path: AnyPath,
+    path: AnySource,
     *,
     page: int | None = None,
     channel: int | None = None,
@@ -113,8 +122,9 @@ def load_image(
 
     Parameters
     ----------
-    path : path-like
-        A file of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series.
+    path : path-like or file-like
+        A file of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series; an open file; or
+        an address of fsspec, such as ``s3://bucket/name.tif`` or ``zip::https://host/names.zip``.
     page : int, optional
         Plane, page or frame, from 1; by default the first page or frame, or the middle plane of a volume.
     channel, time : int, optional
@@ -150,11 +160,11 @@ def load_image(
     <Image disk.npy, 64 x 64 px, 0.5 µm a pixel>
     """
     reading = Reading(page, channel, time, series, color, _parse_spacing(spacing), unit)
-    return _load_part(Path(path), reading, read_plane, check_cancelled)
+    return _load_part(find_local_file(path), reading, read_plane, check_cancelled)
 
 
 def load_volume(
-    path: AnyPath,
+    path: AnySource,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -168,8 +178,8 @@ def load_volume(
 
     Parameters
     ----------
-    path : path-like
-        A stack or volume of one of the kinds in `IMAGES_READABLE`, or a folder with the slices of a DICOM series.
+    path : path-like or file-like
+        A stack or volume, as for `load_image`.
     channel, time, series, color, unit, check_cancelled
         As for `load_image`.
     spacing : float or sequence of float, optional
@@ -193,11 +203,11 @@ def load_volume(
     <Image ball.npy, 31 x 31 x 31 voxels, 2 x 1 x 1 mm a voxel>
     """
     reading = Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
-    return _load_part(Path(path), reading, read_volume, check_cancelled)
+    return _load_part(find_local_file(path), reading, read_volume, check_cancelled)
 
 
 def load_pages(
-    path: AnyPath,
+    path: AnySource,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -232,7 +242,7 @@ def load_pages(
     >>> len(pages), pages[1].shape
     (2, (64, 64))
     """
-    file, reading = Path(path), Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
+    file, reading = find_local_file(path), Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
     with _explain_errors(file):
         stack = _open_file(file, reading)
     sha256 = _hash_file(file, check_cancelled)
@@ -261,12 +271,12 @@ def load_pages(
     )
 
 
-def holds_volume(path: AnyPath, series: int | str | None = None) -> bool:
+def holds_volume(path: AnySource, series: int | str | None = None) -> bool:
     """Return whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
     return open_stack(path, series).shape[0] >= MINIMUM_SIDE
 
 
-def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
+def open_stack(path: AnySource, series: int | str | None = None) -> Stack:
     """Open a file without reading any of its planes.
 
     Parameters
@@ -284,9 +294,16 @@ def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
     ValueError
         As for `load_volume`; `UnreadableError` when an archive holds several images and none is chosen.
     """
-    file = Path(path)
+    file = find_local_file(path)
     with _explain_errors(file):
         return _open_file(file, Reading(series=series))
+
+
+def open_levels(path: AnyPath, reading: Reading) -> MultiscaleImage | None:
+    """Open all resolutions of an image that is read in parts; None for other images."""
+    file = Path(path)
+    with _explain_errors(file):
+        return _open_file(file, reading).levels
 
 
 def _parse_spacing(spacing: ArrayLike | None) -> tuple[float, ...] | None:
@@ -343,7 +360,7 @@ def _find_header(file: Path) -> Path:
     if file.suffix.lower() != ".img" or not header.is_file():
         return file
     head = read_content(header, head_size=_SIGNATURE_SIZE)
-    return header if nifti.can_read(head, header) or analyze.can_read(head, header) else file
+    return header if nifti.can_read(head, header) else file
 
 
 def _open_file(file: Path, reading: Reading) -> Stack:

@@ -11,19 +11,20 @@ from typing import Literal, overload
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count
+from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, DecodedImage, check_pixel_count
+from cpm_core.formats.images.multiscale import MultiscaleImage
 from cpm_core.formats.images.reading import Reading, select_index
 from cpm_core.image.colors import Colors
 from cpm_core.image.geometry import Convention, Geometry, Triple, geometry_from_affine
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.types import Array, Extent, Texts, record
-from cpm_core.parameters.formatting import format_count, format_repr, quote_value
+from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
 _GRAY_LEVEL_MEMORY = 16
 """Memory for a voxel besides its stored value while it is read: its gray level and a copy of it [bytes]."""
 
-_MAX_SILENT_SLANT = 0.5
+MAX_SILENT_SLANT = 0.5
 """Largest deviation of axes from right angles without a note [degrees]."""
 
 ALL_COLORS = -1
@@ -77,6 +78,8 @@ class Stack:
         Whether gray levels are Hounsfield units; None if the file does not state it.
     has_colors : bool
         Whether the first channels are red, green and blue, which are read together unless a channel is chosen.
+    levels : MultiscaleImage or None
+        All resolutions of an image that is read in parts; None for other images.
     """
 
     name: str
@@ -98,6 +101,7 @@ class Stack:
     has_plane_spacing: bool = False
     hounsfield: bool | None = None
     has_colors: bool = False
+    levels: MultiscaleImage | None = None
 
     @property
     def default_plane(self) -> int:
@@ -169,7 +173,7 @@ def read_volume(stack: Stack, reading: Reading) -> DecodedImage:
     geometry = stack.geometry
     if geometry is not None and first:
         geometry = geometry.starting_at((first, 0, 0), stack.spacing)
-    if geometry is not None and geometry.slant > _MAX_SILENT_SLANT:
+    if geometry is not None and geometry.slant > MAX_SILENT_SLANT:
         notes.append(
             f"Its axes are {geometry.slant:.1f}° off right angles; lengths were taken as if they were at right angles."
         )
@@ -205,6 +209,44 @@ def _select_first_plane(found: DecodedImage) -> DecodedImage:
     """Select the first plane of a volume."""
     colors = found.colors and replace(found.colors, samples=found.colors.samples[0])
     return replace(found, values=found.values[0], colors=colors)
+
+
+def stack_from_levels(levels: MultiscaleImage) -> Stack:
+    """Return the stack of an image at several resolutions, at the finest level with a moderate number of pixels."""
+    planes = levels.axis_length("z")
+    fitting = (
+        k for k in range(len(levels.arrays)) if math.prod(levels.axis_length(a, k) for a in "zyx") <= MAXIMUM_PIXELS
+    )
+    level = next(fitting, len(levels.arrays) - 1)
+    shape = (levels.axis_length("z", level), levels.axis_length("y", level), levels.axis_length("x", level))
+
+    def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
+        found = levels.read_planes(level, time, channel, slice(first, end), (slice(None), slice(None)))
+        same = planes == shape[0] and end == first + 1
+        return replace(found, finer=levels.find_finer_planes(level, time, channel, first) if same else ())
+
+    notes: Texts = ()
+    if level:
+        notes = (
+            f"It has {format_size(levels.shape)}, of which level {level} was opened, {shape[1]} x {shape[2]} px; "
+            "cpm run with --auto works on all of them.",
+        )
+    sides = (planes / shape[0], levels.shape[0] / shape[1], levels.shape[1] / shape[2])
+    deep, row, col = (size * side for size, side in zip(levels.spacing, sides, strict=True))
+    return Stack(
+        levels.name,
+        shape,
+        read_planes,
+        float(levels.arrays[level].dtype.itemsize * levels.axis_length("s")),
+        levels.axis_length("t"),
+        levels.axis_length("c"),
+        (deep, row, col),
+        levels.unit,
+        notes=notes,
+        series=levels.series,
+        series_number=levels.series_number,
+        levels=levels,
+    )
 
 
 def position_from_affine(affine: Array, convention: Convention, sides: Sequence[float], unit: str) -> VolumePosition:

@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+import importlib.util
 import logging
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.content import UnreadableError, missing_package_message
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count, decode_samples, rotate_upright
+from cpm_core.formats.images.decoded import (
+    MAXIMUM_PIXELS,
+    DecodedImage,
+    check_pixel_count,
+    decode_samples,
+    rotate_upright,
+)
+from cpm_core.formats.images.multiscale import MultiscaleImage
 from cpm_core.formats.images.reading import Reading, select_series
-from cpm_core.formats.images.stack import ALL_COLORS, Stack, stack_planes
+from cpm_core.formats.images.stack import ALL_COLORS, Stack, stack_from_levels, stack_planes
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA_VALUE
-from cpm_core.numerics.types import Index, Numbers, Texts
+from cpm_core.numerics.types import Extent, Index, Numbers, Texts, frozen
 
 if TYPE_CHECKING:
     import tifffile
@@ -28,28 +36,14 @@ if TYPE_CHECKING:
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
-FILE_KINDS = {".tif": "TIFF image or stack", ".tiff": "TIFF image or stack"}
+FILE_KINDS = {
+    ".tif": "TIFF image or stack",
+    ".tiff": "TIFF image or stack",
+    **dict.fromkeys((".svs", ".ndpi", ".scn"), "whole slide"),
+}
 
 _TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 """First bytes of TIFF and BigTIFF of either byte order."""
-
-_PHOTOMETRIC_WHITE_IS_ZERO = 0
-"""Tag for gray levels that count from white."""
-
-_PHOTOMETRIC_BLACK_IS_ZERO = 1
-"""Tag for gray levels that count from black."""
-
-_PHOTOMETRIC_RGB = 2
-"""Tag for red, green and blue."""
-
-_PHOTOMETRIC_PALETTE = 3
-"""Tag for indices into a color table."""
-
-_PHOTOMETRIC_INKS = 5
-"""Tag for amounts of ink (CMYK)."""
-
-_PHOTOMETRIC_YCBCR = 6
-"""Tag for luminance and chrominance."""
 
 _JPEG_COMPRESSION = 7
 """Tag for compression by JPEG."""
@@ -65,6 +59,9 @@ _NO_UNIT = 1
 
 _POLYNOMIALS = {0: 1, 1: 2, 2: 3, 3: 4}
 """Code of a calibration of ImageJ that is a polynomial -> its degree."""
+
+_SLIDE_COLORS = ("MINISBLACK", "RGB", "YCBCR")
+"""Tags for gray levels and colors of images that are read in parts."""
 
 _PIXEL_AXES = "YXS"
 """Axes within a page: rows, columns, samples."""
@@ -94,10 +91,13 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         series = all_series[number]
         if series.dtype is None or min(series.shape) < 1:
             raise ValueError("it has no pixels")
-        check_pixel_count(name, int(series.keyframe.imagelength), int(series.keyframe.imagewidth))
-        pages = _index_pages(series, name)
         keyframe = series.keyframe
         depth, (row, col), unit = _read_voxel_size(file, keyframe, number)
+        if keyframe.imagelength * keyframe.imagewidth > MAXIMUM_PIXELS and _color_kind(keyframe) in _SLIDE_COLORS:
+            place = (depth or row, row, col), unit, names, number
+            return stack_from_levels(_open_levels(path, name, series, place))
+        check_pixel_count(name, int(keyframe.imagelength), int(keyframe.imagewidth))
+        pages = _index_pages(series, name)
         curve, calibrated = _parse_calibration(file.imagej_metadata or {}, keyframe)
         bands = _count_bands(keyframe)
         size = dict(zip(series.axes, series.shape, strict=True))
@@ -105,7 +105,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         if _page_orientation(keyframe) in range(5, 9):  # rows become columns
             sides, (row, col) = sides[::-1], (col, row)
     notes = () if reading.series or len(names) == 1 else (f"Only the first of its {len(names)} series was taken.",)
-    has_colors = bands > 1 and keyframe.photometric == _PHOTOMETRIC_RGB
+    has_colors = bands > 1 and _color_kind(keyframe) == "RGB"
     untold = ("The distance of its planes is not given; that of its rows was taken.",)
 
     def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
@@ -136,6 +136,39 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         has_plane_spacing=depth is not None,
         has_colors=has_colors,
     )
+
+
+@frozen
+class _TiffLevel:
+    """A level of resolution in a TIFF, parts of which are read by tifffile and zarr."""
+
+    path: Path
+    series: int
+    level: int
+    shape: Extent
+    dtype: np.dtype[Any]
+
+    def __getitem__(self, index: tuple[int | slice, ...]) -> Numbers:
+        """Read a part."""
+        import tifffile
+        import zarr
+
+        with tifffile.imread(self.path, series=self.series, level=self.level, aszarr=True) as store:
+            return np.asarray(zarr.open(store, mode="r")[index])
+
+
+def _open_levels(path: Path, name: str, series: tifffile.TiffPageSeries, place: tuple[Any, ...]) -> MultiscaleImage:
+    """Open all levels of a series that is too large to be read as a whole, such as a slide; `place` has the rest."""
+    if importlib.util.find_spec("zarr") is None:
+        raise UnreadableError(missing_package_message(name, "zarr", "cpm-particles[microscopy]"))
+    axes = series.axes.lower().replace("i", "z").replace("q", "z")
+    if not set("yx") <= set(axes) <= set("tczyxs") or len(set(axes)) < len(axes):
+        raise UnreadableError(f"{name} has the axes {series.axes}: save one volume or plane of it.")
+    arrays = tuple(
+        _TiffLevel(path, place[-1], number, tuple(level.shape), level.dtype)
+        for number, level in enumerate(series.levels)
+    )
+    return MultiscaleImage(name, arrays, axes, *place)
 
 
 def _list_series(file: tifffile.TiffFile) -> list[tifffile.TiffPageSeries]:
@@ -195,48 +228,56 @@ def _decode_page(page: tifffile.TiffPage, raw: Numbers, band: int | None, name: 
         raw = np.moveaxis(raw, 0, -1)
     stored = samples = raw if raw.ndim == 3 else raw[..., np.newaxis]
     notes: list[str] = []
-    colors, bits = page.photometric, page.bitspersample
+    colors, bits = _color_kind(page), page.bitspersample
     if band is not None:
         stored = samples = samples[..., band : band + 1]
-        colors = _PHOTOMETRIC_BLACK_IS_ZERO if colors == _PHOTOMETRIC_RGB else colors
+        colors = "MINISBLACK" if colors == "RGB" else colors
     if samples.dtype == np.bool_:
         samples, bits = samples.astype(np.uint8) * np.uint8(255), 8
         notes.append("Black and white were read as 0 and 255.")
-    if colors == _PHOTOMETRIC_PALETTE:
+    if colors == "PALETTE":
         table = np.asarray(page.colormap, float)
         table = table if table.max() < 256.0 else table / 257.0  # old programs write eight bits in sixteen
         samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
-    elif colors == _PHOTOMETRIC_INKS:
+    elif colors == "SEPARATED":
         if page.tags.valueof("InkSet", default=1) != 1 or samples.shape[-1] < 4:
             raise _uncommon_kind_error(page, name)
         white = _white_level(bits, samples)
         light = (white - samples[..., :3]) * (1.0 - samples[..., 3:4] / white)
         samples = np.concatenate([light.astype(samples.dtype), samples[..., 4:]], axis=-1)
-    elif colors not in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO, _PHOTOMETRIC_RGB) and not (
-        colors == _PHOTOMETRIC_YCBCR and page.compression == _JPEG_COMPRESSION  # unpacked to red, green and blue
+    elif colors not in ("MINISWHITE", "MINISBLACK", "RGB") and not (
+        colors == "YCBCR" and page.compression == _JPEG_COMPRESSION  # unpacked to red, green and blue
     ):
         raise _uncommon_kind_error(page, name)
     white = _white_level(bits, samples)
-    count = 1 if colors in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO) else 3
+    count = 1 if colors in ("MINISWHITE", "MINISBLACK") else 3
     extra = samples[..., count:]
     has_alpha = extra.shape[-1] > 0 and _has_alpha(page)
     if extra.shape[-1] > has_alpha:
         notes.append(f"Only the first {count + has_alpha} of its {samples.shape[-1]} channels were taken.")
     shown, opacity = samples[..., :count], extra[..., 0] / _white_level(bits, extra[..., 0]) if has_alpha else None
-    if colors == _PHOTOMETRIC_WHITE_IS_ZERO:
+    if colors == "MINISWHITE":
         shown = white - shown
         notes.append("It counts from white to black and was inverted.")
     if opacity is not None and int(page.extrasamples[0]) == _PREMULTIPLIED_ALPHA:
         share = opacity[..., np.newaxis]
         shown = np.divide(shown, share, out=np.zeros(shown.shape), where=share > 0.0)
     found = decode_samples(shown, opacity, tuple(notes), white)
-    given = stored[..., : 1 if colors == _PHOTOMETRIC_PALETTE else count]
+    given = stored[..., : 1 if colors == "PALETTE" else count]
     return rotate_upright(replace(found, values=_mask_no_data(page, found.values, given)), _page_orientation(page))
+
+
+def _color_kind(page: tifffile.TiffPage) -> str:
+    """Return the name of the way in which a page stores gray levels or colors, or its number if that is unknown."""
+    import tifffile
+
+    known = {one.value: one.name for one in tifffile.PHOTOMETRIC}
+    return known.get(int(page.photometric), str(page.photometric))
 
 
 def _count_bands(page: tifffile.TiffPage) -> int:
     """Count the samples of a pixel that are channels of their own; 1 if together they are a gray level or a color."""
-    color = {_PHOTOMETRIC_WHITE_IS_ZERO: 1, _PHOTOMETRIC_BLACK_IS_ZERO: 1, _PHOTOMETRIC_RGB: 3}.get(page.photometric)
+    color = {"MINISWHITE": 1, "MINISBLACK": 1, "RGB": 3}.get(_color_kind(page))
     count = int(page.samplesperpixel)
     return 1 if color is None or count <= color + _has_alpha(page) else count
 
@@ -248,10 +289,9 @@ def _has_alpha(page: tifffile.TiffPage) -> bool:
 
 def _uncommon_kind_error(page: tifffile.TiffPage, name: str) -> UnreadableError:
     """Return the error for a page with an unsupported type of numbers or colors."""
-    kind = getattr(page.photometric, "name", page.photometric)
     return UnreadableError(
-        f"{name} is a TIFF of an uncommon kind ({page.bitspersample} bits, {kind}): save it again in gray, or in red, "
-        "green and blue."
+        f"{name} is a TIFF of an uncommon kind ({page.bitspersample} bits, {_color_kind(page)}): save it again in "
+        "gray, or in red, green and blue."
     )
 
 
@@ -289,6 +329,11 @@ def _read_voxel_size(
         sizes = [_parse_size(entries.get(f"PhysicalSize{axis}")) for axis in "ZYX"]
         units = [entries.get(f"PhysicalSize{axis}Unit", resolution.MICROMETER) for axis in "ZYX"]
     else:
+        if file.is_svs:
+            import tifffile
+
+            side = _parse_size(tifffile.tifffile.svs_description_metadata(page.description).get("MPP"))
+            return None, (side or 1.0, side or 1.0), resolution.MICROMETER if side else None
         per_meter = page.get_resolution(_PER_METER_UNIT)
         plain, unit = resolution.spacing_from_density(*per_meter[::-1])
         relative = unit is None and page.tags.valueof("ResolutionUnit", default=_NO_UNIT) == _NO_UNIT
@@ -330,9 +375,9 @@ def _parse_calibration(hyperstack: Mapping[str, object], page: tifffile.TiffPage
     Signed gray levels of 16 bits are stored in this way.
     """
     code = hyperstack.get("cf")
-    if code is None or page.photometric not in (_PHOTOMETRIC_WHITE_IS_ZERO, _PHOTOMETRIC_BLACK_IS_ZERO):
+    if code is None or _color_kind(page) not in ("MINISWHITE", "MINISBLACK"):
         return (), ()
-    if code not in _POLYNOMIALS or page.photometric == _PHOTOMETRIC_WHITE_IS_ZERO:
+    if code not in _POLYNOMIALS or _color_kind(page) == "MINISWHITE":
         return (), ("Its description calibrates gray levels by a curve, which was not applied.",)
     try:
         curve = tuple(float(hyperstack[f"c{power}"]) for power in range(_POLYNOMIALS[code] + 1))  # type: ignore[arg-type]

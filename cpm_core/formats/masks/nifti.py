@@ -6,6 +6,8 @@ import gzip
 from collections.abc import Callable
 
 from cpm_core.formats.common.provenance import PROGRAM_NAME, Outcome, describe_provenance, dump_provenance
+from cpm_core.formats.images.nifti import measure_displacement
+from cpm_core.formats.images.stack import MAX_SILENT_SLANT
 from cpm_core.formats.masks.labels import paint_labels
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.numerics.types import Array, Sides
@@ -42,6 +44,23 @@ def encode_nifti(result: Outcome, *, outlines: bool = False) -> bytes:
     comment = nibabel.nifti1.Nifti1Extension("comment", dump_provenance(describe_provenance(result)).encode("ascii"))
     image.header.extensions.append(comment)
     return bytes(image.to_bytes())
+
+
+def describe_displacement(result: Outcome) -> str:
+    """Describe how far from a slanted image programs that require right angles show its labels; empty if nowhere."""
+    import nibabel
+
+    geometry = result.geometry
+    if geometry is None or geometry.to_qform is not None or geometry.slant <= MAX_SILENT_SLANT:
+        return ""
+    affine, _ = locate_mask(result, "RAS")
+    header = nibabel.Nifti1Header()
+    header.set_qform(affine)
+    apart = measure_displacement(header.get_qform() - affine, (1, *result.shape)[:-4:-1])
+    return (
+        f"The axes of {result.source} are not at right angles, so that ITK-SNAP and other programs show labels in a "
+        f"NIfTI up to {apart:.3g} {result.unit} beside it: .nrrd keeps their place."
+    )
 
 
 def locate_mask(

@@ -12,16 +12,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Label
 from cpm_core.formats.common.content import read_content
 from cpm_core.formats.common.printable import build_label
 from cpm_core.formats.common.provenance import Outcome, describe_provenance, dump_provenance
 from cpm_core.formats.images.decoded import DecodedImage
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.resolution import conversion_factor, find_unit
 from cpm_core.formats.images.stack import read_volume
 from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
+from cpm_core.image.surface import Label
 from cpm_core.numerics.grids import find_label_boxes
 from cpm_core.numerics.types import Array
 
@@ -29,12 +30,16 @@ from cpm_core.numerics.types import Array
 def encode_nrrd(result: Outcome, *, outlines: bool = False) -> bytes:
     """Encode the label mask of a result or a skeleton as compressed NRRD, columns first: one slice, or a volume.
 
-    Its position is that of the image, as for NIfTI; see `locate_mask`. Provenance is a key of the header. Labels with
-    names or colors are segments of Slicer. The same result always gives the same bytes. ValueError when there is
-    nothing to paint.
+    Its position is that of the image, as for NIfTI; see `locate_mask`. ITK takes all numbers of NRRD for millimeters,
+    into which it converts the sizes of pictures without a place: so does this. Provenance is a key of the header.
+    Labels with names or colors are segments of Slicer. The same result always gives the same bytes. ValueError when
+    there is nothing to paint.
     """
     mask = paint_labels(result, outlines=outlines)
     affine, unit = locate_mask(result, "LPS")
+    if result.geometry is None and (known := find_unit(unit)):
+        affine[:3] *= conversion_factor(known, "mm")
+        unit = "mm"
     head = {
         "type": mask.dtype.name,
         "dimension": "3",

@@ -7,12 +7,11 @@ import logging
 import warnings
 from collections import deque
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import scipy
 
-from cpm_core.formats.common.content import AnyPath, read_content
+from cpm_core.formats.common.content import AnySource, find_local_file, read_content
 from cpm_core.formats.common.provenance import PROGRAM_NAME, describe_image_provenance, dump_provenance
 from cpm_core.formats.images.resolution import ascii_unit
 from cpm_core.formats.meshes.coordinates import count_decimals, find_voxel_transform, to_file_coordinates
@@ -80,7 +79,7 @@ def encode_swc(lines: Centerlines, space: Convention = "LPS") -> bytes:
 
 
 def load_centerlines(
-    path: AnyPath,
+    path: AnySource,
     image: Image | None = None,
     *,
     space: Convention | None = None,
@@ -90,7 +89,7 @@ def load_centerlines(
 
     Parameters
     ----------
-    path : path-like
+    path : path-like or file-like
         A file of SWC.
     image : Image, optional
         The volume that they belong to: vertices are returned in its voxels. Without it a voxel is one unit of the
@@ -120,7 +119,7 @@ def load_centerlines(
     >>> cpm.load_centerlines("rod.swc")
     <Centerlines rod.swc, 1 branch, 27.9 voxels>
     """
-    file = Path(path)
+    file = find_local_file(path)
     text = read_content(file).decode("utf-8-sig", "replace")
     rows = _parse_rows(text, file.name)
     remarks = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))

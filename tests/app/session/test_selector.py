@@ -8,8 +8,7 @@ from cpm_app.session.features.selector import Selector
 from cpm_app.session.scene import Proposal
 
 from cpm_core import Partition, VolumePartition, example, partition
-from cpm_core.contours.packed_surface import PackedVoxels
-from cpm_core.image.volume_regions import Voxels
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import Click, SegmentedObject
 
 
@@ -29,7 +28,7 @@ def test_an_accepted_object_in_a_volume_is_a_limit_unless_it_may_overlap_or_is_c
     there = partition(example("ball"))
     whole = there.select([(15, 15, 12)])
     half = whole.mask & (np.indices(there.shape)[2] >= 16)
-    item = SegmentedObject(1, (), surface=(PackedVoxels.from_voxels(Voxels(half)),))
+    item = SegmentedObject(1, (), region=Region.from_mask(half))
     beside, within = (Click(((15.0, 15.0, 12.0),)),), (Click(((15.0, 15.0, 20.0),)),)
     for clicks, overlaps, is_limited in ((beside, False, True), (beside, True, False), (within, False, False)):
         found = Selector(there, (item,), overlaps=overlaps).selection_for(clicks)

@@ -26,9 +26,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 import cpm_core as cpm
 from cpm_core.numerics.types import Array, Index
 from cpm_core.objects import confidence
-from cpm_core.objects.all_objects import RatedCandidate, choose_objects, predict_candidates
+from cpm_core.objects.all_objects import choose_objects, predict_candidates
 from cpm_core.objects.image_parts import ImageParts
-from cpm_core.objects.region_evidence import ObjectCandidate, RegionEvidence
+from cpm_core.objects.region_evidence import RegionEvidence
+from cpm_core.objects.selection import Candidate
 from tests.benchmarks.prior.regression import curve, learned
 
 LEARNED = ("nuclei", "cats", "strawberries")
@@ -66,7 +67,7 @@ class Candidates(NamedTuple):
     kind: str
     labels: Index
     evidence: RegionEvidence
-    candidates: list[ObjectCandidate]
+    candidates: list[Candidate]
     signs: list[confidence.RegionFeatures]
     right: Array
 
@@ -158,8 +159,8 @@ def candidates_of(kind: str, image: cpm.Image, labels: Index) -> Candidates:
     areas = np.bincount(labels.ravel())
     right = np.zeros(len(found))
     for number, one in enumerate(found):
-        common = np.bincount(labels[one.region.box][one.region.mask], minlength=len(areas))
-        overlap = common / (one.region.area + areas - common)
+        common = np.bincount(labels[one.region.window][one.region.mask], minlength=len(areas))
+        overlap = common / (one.region.size + areas - common)
         right[number] = overlap[1:].max(initial=0.0) >= confidence.CORRECT_IOU
     return Candidates(kind, labels, evidence, found, evidence.measure_candidates(found), right)
 
@@ -176,11 +177,12 @@ def stacked(images: Sequence[Candidates]) -> tuple[Array, Array, Array]:
 def score(image: Candidates, shown_as: Array) -> float:
     """F1 at an overlap of 0.5 of the objects that are chosen with some probabilities."""
     areas, hit, count = np.bincount(image.labels.ravel()), set(), 0
-    rated = map(RatedCandidate, image.candidates, shown_as.tolist())
+    given = zip(image.candidates, shown_as.tolist(), strict=True)
+    rated = (one._replace(confidence=confidence) for one, confidence in given)
     for one in choose_objects(rated, image.evidence.partition.values):
         count += 1
-        common = np.bincount(image.labels[one.region.box][one.region.mask], minlength=len(areas))
-        overlap = common / (one.region.area + areas - common)
+        common = np.bincount(image.labels[one.region.window][one.region.mask], minlength=len(areas))
+        overlap = common / (one.region.size + areas - common)
         overlap[0] = 0.0
         if overlap.max() >= 0.5:
             hit.add(int(overlap.argmax()))

@@ -15,7 +15,7 @@ from cpm_core.chunked.seams import join_pieces
 from cpm_core.chunked.store import RunStore
 from cpm_core.contours.agreement import distances_to_contours
 from cpm_core.contours.contour import Contour
-from cpm_core.formats.images import ome_zarr
+from cpm_core.formats.images import ome_zarr, stack
 from cpm_core.formats.images.reading import Reading
 
 pytest.importorskip("zarr", reason="the extra `scale` is not installed")
@@ -124,7 +124,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
 def test_objects_in_a_net_of_lines_are_those_of_the_image_in_one_piece(tmp_path, monkeypatch):
     monkeypatch.setattr(chunk_objects, "OBJECT_MARGINS", (64, 256))
     row, col = np.indices((190, 200))
-    values = 80.0 * (row >= 96) + 50.0 * (col >= np.where(row < 96, 99, 101)) + 60.0
+    values = 80.0 * (row >= 96) + 50.0 * (col >= np.where(row < 96, 96, 106)) + 60.0
     values[(row < 20) | (row >= 172) | (col < 20) | (col >= 182)] = 20.0
     values = scipy.ndimage.gaussian_filter(values, 1.0).round().astype(np.uint8)
     source = write(tmp_path / "bricks.zarr", values)
@@ -257,7 +257,7 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
     image = cpm.load_image(source.path)
     assert (image.values == picture()).all()
     assert (image.spacing, image.unit, image.notes) == ((0.5, 0.5), "µm", ())
-    monkeypatch.setattr(ome_zarr, "MAXIMUM_PIXELS", 2**19)
+    monkeypatch.setattr(stack, "MAXIMUM_PIXELS", 2**19)
     values = np.arange(1200 * 800, dtype=np.uint32).reshape(1200, 800)
     ome_zarr.create_multiscale(tmp_path / "x.zarr", values.shape, values.dtype, SIDE)
     ome_zarr.write_window(tmp_path / "x.zarr", 0, np.s_[:, :], values)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import scipy
 
+from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
-from cpm_core.objects.candidate_regions import BoundedRegion, CandidateRegions
+from cpm_core.objects.candidate_regions import CandidateRegions
 from cpm_core.objects.selection import compute_iou
 from cpm_core.segmentation.select import select_all
 
@@ -72,9 +73,9 @@ def test_the_likeliest_objects_come_first(crowd):
 def test_the_border_of_a_region_of_interest_bounds_no_object():
     border = [(30.0, 30.0), (30.0, 100.0), (90.0, 100.0), (90.0, 30.0)]
     interest = Regions(interest=[border]).contains(np.stack([ROW, COL], axis=-1).reshape(-1, 2)).reshape(ROW.shape)
-    rectangle = BoundedRegion.from_mask(interest & ~disk(60, 60, 12))
-    whole, half = BoundedRegion.from_mask(disk(60, 60, 12)), BoundedRegion.from_mask(disk(60, 30, 12) & interest)
+    rectangle = Region.from_mask(interest & ~disk(60, 60, 12))
+    whole, half = Region.from_mask(disk(60, 60, 12)), Region.from_mask(disk(60, 30, 12) & interest)
     found = CandidateRegions([], [], ROW, interest)
     assert [found.may_be_object(one) for one in (rectangle, whole, half)] == [False, True, True]
     everywhere = CandidateRegions([], [], ROW, np.ones(ROW.shape, bool))
-    assert everywhere.may_be_object(BoundedRegion.from_mask(np.ones(ROW.shape, bool)))  # of the image, another rule
+    assert everywhere.may_be_object(Region.from_mask(np.ones(ROW.shape, bool)))  # of the image, another rule

@@ -120,7 +120,7 @@ def test_the_bodies_of_a_volume_are_proposed_those_of_drawn_starts_or_all() -> N
     image = cpm.Image(np.round(20.0 + 180.0 * np.clip(7.0 - away, 0.0, 1.0)))
     whole = cpm.segment(image, cpm.seeds_everywhere(image), "volume").objects
     assert len(whole) == 2
-    assert [one.volume for one in whole] == sorted((one.volume for one in whole), reverse=True)
+    assert [one.size for one in whole] == sorted((one.size for one in whole), reverse=True)
     (one,) = cpm.segment(image, Sphere((11.0, 13.0, 10.0), 4.0).seeds(), "volume").objects
     assert one.contains(centers).tolist() == [True, False]
     labels = cpm.objects_result(whole, image).labels

@@ -19,7 +19,7 @@ from cpm_app.model.display.differences import (
 )
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import build_objects_result
-from cpm_app.model.text.language import tr
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.exchange.messages import CommandFailed, Reconstruction
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
@@ -201,6 +201,9 @@ class ComparedResults(QObject):
             if generation == self._session.store.image_generation:
                 self._found[TRUTH_KEY], self._truth_path = row, file
                 self._begin_comparison()
+                if row.truth is not None and row.truth.notes:
+                    sentences = " ".join(map(translate_core_text, row.truth.notes))
+                    self._session.messages.show(f"{file.name}: {sentences}", category=_COMPARISON_CATEGORY)
 
         self._session.tasks.start_task(
             tr("Reading {name}…", name=file.name),

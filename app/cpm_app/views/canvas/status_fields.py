@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 from PySide6.QtWidgets import QLabel
 
-from cpm_app.model.display.lengths import format_length, preferred_pixel_size
-from cpm_app.model.text.language import tr
+from cpm_app.model.display.lengths import PixelSize, format_length, preferred_pixel_size
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.session import Session
 from cpm_app.views.canvas.canvas import Canvas
 from cpm_app.views.canvas.image_view import ImageView
@@ -18,7 +20,7 @@ class PointerReadout(QLabel):
     """Row, column and gray value under the pointer, in a volume also the plane.
 
     Of a color image it shows the value in the channel of the run; where the pixel size is known, also the position in
-    its unit.
+    its unit, and in the space of the file where that states one.
     """
 
     def __init__(self, session: Session, canvas: Canvas) -> None:
@@ -38,9 +40,21 @@ class PointerReadout(QLabel):
     def _format_pixel(image: Image, pixel: Integers, channel: str) -> str:
         value, size = image.gray_at(pixel, channel), preferred_pixel_size(image.spacing, image.unit)
         lengths = [format_length(place, each, size.unit or "") for place, each in zip(pixel, size.spacing, strict=True)]
+        if image.geometry is not None:
+            first, second, third = _format_position(image, pixel, size)
+            lengths = [first, second, third] if image.ndim == 3 else [f"{first}, {second}", third]
         places = dict(zip(("plane", "row", "col")[-image.ndim :], pixel, strict=True))
         named = dict(zip(("back", "down", "right")[-image.ndim :], lengths, strict=True))
         return _READOUT_TEMPLATES[image.ndim, size.unit is not None].format(value=value, **places, **named)
+
+
+def _format_position(image: Image, pixel: Integers, size: PixelSize) -> tuple[str, str, str]:
+    """Format x, y and z of a pixel in the space of its file, with the name of the space first and the unit last."""
+    assert image.geometry is not None
+    place = image.geometry.affine(image.spacing) @ (*(0, *pixel)[-3:], 1)
+    decimals = max(0, math.ceil(1.0 - math.log10(min(size.spacing))))
+    x, y, z = (localize_number(f"{at:.{decimals}f}") for at in (size.factor * place[:3]).tolist())
+    return f"{image.geometry.convention} {x}", y, f"{z} {size.unit}"
 
 
 _READOUT_TEMPLATES = {

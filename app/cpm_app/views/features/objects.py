@@ -142,7 +142,7 @@ class ObjectsFeature(Feature):
             ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
                        "Find center lines in the image again, not only in objects or closed contours.",
                        lambda: self._run_skeleton(tr("skeleton of the image"), SkeletonTarget()),
-                       when=lambda now: bool(now.document.outlines or now.document.outlined_surfaces)),
+                       when=lambda now: bool(now.document.outlines or now.document.outlined_bodies)),
         )  # fmt: skip
 
     def select_next(self) -> None:

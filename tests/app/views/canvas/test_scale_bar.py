@@ -12,6 +12,7 @@ from cpm_app.views.layers.annotations import MAX_SCALE_BAR_LENGTH
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 
 pytestmark = pytest.mark.shared_window
@@ -36,11 +37,11 @@ def test_a_bar_is_as_long_as_its_label_within_a_pixel(zoom, size, unit):
     assert f"{said:e}"[0] in "125" or unit in ("cm", None, "furlong")
 
 
-def show(window, unit: str | None) -> None:
+def show(window, unit: str | None, geometry: Geometry | None = None) -> None:
     """Put an image with pixels of 0.5 along the columns before the window."""
     session = window.session
     values = np.random.default_rng(0).uniform(size=(64, 64))
-    image = Image(values, spacing=(0.25, 0.5), unit=unit)
+    image = Image(values, spacing=(0.25, 0.5), unit=unit, geometry=geometry)
     session.store.set_scene(
         replace(session.scene, image=image, display=DisplayImage.from_shades(np.zeros((64, 64), np.uint8)))
     )
@@ -67,10 +68,13 @@ def test_the_bar_follows_the_zoom_and_is_shown_only_with_a_unit(window, hand):
     assert not layer.item.isVisible()
 
 
-def test_the_position_of_the_pointer_is_also_shown_in_the_unit(window, hand):
+def test_the_position_of_the_pointer_is_also_shown_in_the_unit_and_the_space_of_the_file(window, hand):
     show(window, "µm")
     hand.move(10, 40)
     assert window.pointer_readout.text().startswith("row 10, col 40  (2.5 µm, 20 µm):  ")
+    show(window, "mm", Geometry((10.0, -20.0, 30.0), convention="RAS"))
+    hand.move(10, 40)
+    assert window.pointer_readout.text().startswith("row 10, col 40  (RAS 30.00, -17.50, 30.00 mm):  ")
     show(window, None)
     hand.move(11, 40)
     assert window.pointer_readout.text().startswith("row 11, col 40:  ")

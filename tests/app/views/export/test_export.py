@@ -23,6 +23,7 @@ from PySide6.QtWidgets import QFileDialog
 
 import cpm_core
 from cpm_core.formats import CONTOURS_WRITABLE
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
@@ -84,8 +85,8 @@ def ring(radius: float) -> tuple[tuple[float, float], ...]:
 @pytest.fixture
 def two(window: MainWindow) -> MainWindow:
     """A window with an object of a class without a name, which has a hole, and one of another class."""
-    first = SegmentedObject(number=7, clicks=(), boundary=(ring(20.0), ring(8.0)), name="cell", category=2)
-    other = SegmentedObject(number=9, clicks=(), boundary=(ring(4.0),))
+    first = SegmentedObject(number=7, clicks=(), region=Region((ring(20.0), ring(8.0))), name="cell", category=2)
+    other = SegmentedObject(number=9, clicks=(), region=Region((ring(4.0),)))
     session = window.session
     session.edit("take", lambda document: replace(document, objects=replace(document.objects, items=(first, other))))
     return window

@@ -17,6 +17,7 @@ from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 
 from cpm_core.formats import PROJECT_FOLDER, ProjectImage, Reading, load_project, load_session, project_session
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Circle
 from tests.app.conftest import disc
@@ -70,7 +71,7 @@ def press(window: MainWindow, hand, key, expected: str) -> None:
 
 def add_object(window: MainWindow, confidence: float = 0.5) -> None:
     number = window.session.document.objects.next_number
-    new = SegmentedObject(number, (), (SQUARE,), confidence=confidence)
+    new = SegmentedObject(number, (), Region((SQUARE,)), confidence=confidence)
     window.session.edit("add object", lambda document: objects.accept_objects(document, (new,)))
 
 
@@ -285,7 +286,7 @@ def test_the_table_of_all_images_has_the_objects_of_each_with_class_and_confiden
     window.trigger_action("export_all_images")
     hand.wait(lambda: target.exists() and window.session.idle)
     rows = list(csv.DictReader(target.read_text("utf-8").splitlines()))
-    assert [(row["image"], row["object"], row["class"], row["confidence"]) for row in rows] == [
+    assert [(row["image"], row["label"], row["class"], row["confidence"]) for row in rows] == [
         ("plate1.npy", "1", "object", "0.75"),
         ("plate2.npy", "1", "object", "0.5"),
         ("plate2.npy", "2", "object", "0.5"),

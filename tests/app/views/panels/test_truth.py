@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tifffile
 from cpm_app.model.display.differences import find_boundary_differences
 from cpm_app.model.document.imported import add_objects, objects_from_contours
 from cpm_app.session.features.background import LatestOnlyWorker
@@ -125,6 +126,16 @@ def test_without_the_truth_a_run_is_compared_with_what_is_shown_now(compared, ha
     hand.wait(lambda: comparison.agreements.keys() == {run})
     assert comparison.agreements[run].dice == 1.0
     assert compared.session.scene.truth is None
+
+
+def test_what_is_left_out_of_a_truth_is_told(compared, hand, tmp_path) -> None:
+    path = tmp_path / "two.tif"
+    labels = np.zeros((64, 64), np.uint8)
+    labels[10:30, 10:30] = 1
+    tifffile.imwrite(path, np.stack([labels, 0 * labels]), photometric="minisblack", metadata={"axes": "CYX"})
+    compared.workspace.comparison.load_truth_file(path)
+    hand.wait(lambda: truth_row(compared).title == "two.tif")
+    assert compared.canvas_area.messages.text == "two.tif: Only the first of its 2 channels was taken."
 
 
 def test_a_mask_of_another_size_is_rejected_with_a_message_and_the_truth_stays(compared, hand, tmp_path) -> None:

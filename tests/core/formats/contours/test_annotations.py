@@ -14,6 +14,7 @@ from pycocotools.coco import COCO
 
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.formats import export, to_bytes
+from cpm_core.numerics.polyline import path_length
 
 from ..drawn import CELL, CORE, FIBRE, HOLE, RESULT
 
@@ -170,12 +171,15 @@ def test_the_table_of_measures_has_a_row_for_each_contour():
 def test_the_table_of_objects_has_a_row_for_each_object_with_its_class():
     contours = [replace(one, category="nucleus") if one.group else one for one in object_in_two_parts()]
     rows = list(csv.DictReader(to_bytes(replace(RESULT, contours=tuple(contours)), ".table.csv").decode().splitlines()))
-    assert [(row["label"], row["object"], row["class"]) for row in rows] == [
-        ("1", "1", "nucleus"),
-        ("2", "2", "nucleus"),
-        ("3", "", ""),
-    ]
+    assert [(row["label"], row["class"]) for row in rows] == [("1", "nucleus"), ("2", "nucleus"), ("3", "")]
     parts = sum(contour.area for contour in contours[:2]) - contours[2].area
     assert float(rows[0]["area_um2"]) == pytest.approx(0.125 * parts, rel=1e-6)
     with pytest.raises(ValueError, match="no closed contour"):
         to_bytes(replace(RESULT, contours=(FIBRE,)), ".table.csv")
+
+
+def test_an_open_object_has_a_row_with_its_length():
+    fibre = [replace(FIBRE, group=4, name="fiber", confidence=0.5), replace(FIBRE, group=4)]
+    (row,) = csv.DictReader(to_bytes(replace(RESULT, contours=tuple(fibre)), ".table.csv").decode().splitlines())
+    assert (row["label"], row.get("area_um2", "")) == ("4", "")
+    assert float(row["length_um"]) == pytest.approx(2 * path_length(FIBRE.path * RESULT.spacing), rel=1e-6)

@@ -264,11 +264,9 @@ def test_the_truth_is_that_of_the_image_at_hand(tmp_path):
     file = tmp_path / "many.json"
     entry = {"id": 1, "image_id": 12, "segmentation": [[5, 5, 15, 5, 15, 15, 5, 15]]}
     file.write_text(json.dumps({"images": IMAGES, "annotations": [{**entry, "image_id": 11}, entry]}))
-    notes = []
-    assert (load_truth(file, (40, 50), name="b.tif", warn=notes.append).labels > 0).sum() == 100
-    assert notes == []
-    load_truth(file, (40, 50), warn=notes.append)
-    assert "2 images" in notes[0]
+    truth = load_truth(file, (40, 50), name="b.tif")
+    assert ((truth.labels > 0).sum(), truth.notes) == (100, ())
+    assert "2 images" in load_truth(file, (40, 50)).notes[0]
 
 
 # labelme

@@ -217,7 +217,6 @@ def test_a_damaged_tiff_takes_no_memory(tmp_path, widths, length, count):
 
 
 SIGNATURES = {
-    "CZI": b"ZISRAWFILE" + bytes(30),
     "SVG": b"<svg xmlns='http://www.w3.org/2000/svg'/>",
     "HEIC": b"\0\0\0\x18ftypheic\0\0\0\0",
     "HDF5": b"\x89HDF\r\n\x1a\n" + bytes(30),

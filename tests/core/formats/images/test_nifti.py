@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from cpm_core import Result, Surface, export, load_image, load_volume
+from cpm_core import Result, Surface, export, load_image, load_volume, load_volume_truth
 from cpm_core.formats.surface_file import load_surface
 from cpm_core.numerics.grids import zero_surface
 
@@ -183,6 +183,17 @@ def test_labels_have_both_matrices_and_their_codes(tmp_path, sform, codes):
     assert np.array_equal(np.asarray(written.dataobj) > 0, np.asarray(known.dataobj) > 0)
     differ = min(codes) > 0 and not np.allclose(sform, affine())
     assert any("Its sform and its qform lie up to" in note for note in volume.notes) == differ
+
+
+def test_labels_that_lie_by_the_qform_alone_are_those_of_their_volume(tmp_path):
+    volume, _, _ = write_labels(tmp_path, OTHER, affine(), (1, 1))
+    labels = np.zeros(VALUES.shape, np.int16)
+    labels[3:7, 2:9, 4:12] = 5
+    image = nibabel.Nifti1Image(labels.T, affine())
+    image.set_sform(None, 0)
+    image.set_qform(affine(), 1)
+    image.to_filename(tmp_path / "q.nii")
+    assert np.array_equal(load_volume_truth(tmp_path / "q.nii", volume).labels > 0, labels > 0)
 
 
 def test_a_plane_of_a_volume_with_two_matrices_lies_where_both_have_it(tmp_path):
