@@ -287,8 +287,7 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, is_volum
         refuse_options(arguments, ("circle", "pages", "save_session"), "images, but a volume is run")
     else:
         refuse_options(arguments, ("space",), "volumes, but an image is run")
-    names_object = arguments.objects or (arguments.object and not is_volume)
-    if not (names_object or _has_start(arguments, session)):
+    if not (arguments.objects or arguments.object or _has_start(arguments, session)):
         if session.mode == "skeleton":
             raise ValueError("The session is for a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
         raise ValueError(

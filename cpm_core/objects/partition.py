@@ -38,7 +38,13 @@ from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Prompt
-from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, Candidate, Selection, keep_last_marks
+from cpm_core.objects.selection import (
+    CONFLICTING_POINT_REMARK,
+    EXCLUDED_POINT_REMARK,
+    Candidate,
+    Selection,
+    keep_last_marks,
+)
 from cpm_core.objects.vessels import find_vessel_tree
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
@@ -437,7 +443,7 @@ class Partition(drawing.Pictured):
         elif not self.interest[tuple(pixels.T)].all():
             remark = "A point outside the regions of interest is ignored."
         elif not free[tuple(pixels.T)].all():
-            remark = "A point in another object is ignored."
+            remark = EXCLUDED_POINT_REMARK
         newer = np.zeros(len(within), bool) if newer is None else newer
         within, beyond, contradicting = keep_last_marks(within, beyond, newer)
         remark = CONFLICTING_POINT_REMARK if contradicting else remark
@@ -553,6 +559,8 @@ class Partition(drawing.Pictured):
 
         The rest is as likely an object as the whole was.
         """
+        if not (selection.mask & excluded).any():
+            return selection
         prompt, _ = self._resolve_points(selection.inside, NO_POINTS, self.interest & ~excluded)
         mask = selection.mask & ~excluded
         if len(prompt.positive):

@@ -155,6 +155,9 @@ class Candidate(NamedTuple):
     confidence: float = 0.0
 
 
+EXCLUDED_POINT_REMARK = "A point in another object is ignored."
+"""Remark on a selection by points some of which are on excluded pixels."""
+
 CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; the last mark counts."
 """Remark on a selection by points that contradict each other."""
 

@@ -37,7 +37,7 @@ from cpm_core.objects.prior.body_prediction import (
 from cpm_core.objects.prior.body_predictor import BodyPredictor
 from cpm_core.objects.prior.body_surface import extract_body_surface
 from cpm_core.objects.prior.crops import CROP_SIDE, resample_with_tent
-from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, Selection, keep_last_marks
+from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, EXCLUDED_POINT_REMARK, Selection, keep_last_marks
 from cpm_core.parameters.formatting import format_repr, format_size
 
 _BODY_LOOKUP_DISTANCE = 0.75
@@ -162,7 +162,14 @@ class VolumePartition:
         """Numbers of the bodies inside the surface; the others are hollows in them."""
         return self._parts[0][1]
 
-    def select(self, inside: ArrayLike, outside: ArrayLike = (), *, previous: Selection | None = None) -> Selection:
+    def select(
+        self,
+        inside: ArrayLike,
+        outside: ArrayLike = (),
+        *,
+        previous: Selection | None = None,
+        excluded: Mask | None = None,
+    ) -> Selection:
         """Select the bodies that positive points lie in, without those that negative points lie in.
 
         Parameters
@@ -171,6 +178,8 @@ class VolumePartition:
             Positive and negative points (plane, row, col) [voxels]. One outside the volume is moved to its border.
         previous : Selection, optional
             The selection before; the points are added to its own.
+        excluded : ndarray of bool, shape (P, R, C), optional
+            Voxels that are not selected, such as those of other objects. What they cut consists of voxels.
 
         Returns
         -------
@@ -180,14 +189,21 @@ class VolumePartition:
         Raises
         ------
         ValueError
-            When points are not planes, rows and columns.
+            When points are not planes, rows and columns, or the excluded voxels are not those of the volume.
         """
         within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
+        if excluded is not None:
+            if excluded.shape != self.shape:
+                shapes = format_size(excluded.shape), format_size(self.shape)
+                raise ValueError("the excluded voxels are {} but the volume is {}.".format(*shapes))
+            free = ~excluded[tuple(self._find_nearest_voxels(within).T)]
+            found = self.remove_pixels(self.select(within[free], beyond, previous=previous), excluded)
+            return found if free.all() else replace(found, remark=EXCLUDED_POINT_REMARK)
         if previous is not None:
             within, beyond = _append_new_points(previous.inside, within), _append_new_points(previous.outside, beyond)
         painted = None
         if previous is not None and previous.has_boundary and previous.region.surface is None:
-            painted = previous.region
+            painted = previous.region if previous.prediction is None else None  # else cut by excluded voxels
         wanted, unwanted = self.find_body_numbers(within), self.find_body_numbers(beyond)
         chosen = np.setdiff1d(wanted, unwanted)
         if not len(within):
@@ -200,18 +216,24 @@ class VolumePartition:
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
     def find_candidates(
-        self, inside: ArrayLike, outside: ArrayLike = (), *, previous: Selection | None = None
+        self,
+        inside: ArrayLike,
+        outside: ArrayLike = (),
+        *,
+        previous: Selection | None = None,
+        excluded: Mask | None = None,
     ) -> tuple[Selection, ...]:
         """Find the different bodies that points, shape (M, 3) [voxels], may mean, from the smallest to the largest.
 
         One of them is the result of `select`, which has the same parameters. The others are predictions in crops of
         other sizes around the first positive point.
         """
-        first = self.select(inside, outside, previous=previous)
+        first = self.select(inside, outside, previous=previous, excluded=excluded)
         found = [first]
         if len(first.inside):
             for body in self._predict_bodies(first.inside[:1]):
                 other = self._correct_body(body, first.inside, first.outside, "")
+                other = other if excluded is None else self.remove_pixels(other, excluded)
                 if other.has_boundary and all(is_different_body(other.size, one.size) for one in found):
                     found.append(other)
         return tuple(sorted(found, key=lambda one: one.size))
@@ -277,6 +299,18 @@ class VolumePartition:
             changed &= self._interest[tuple(map(slice, first, end))]
         changed[tuple(at - first)] = True
         return Region.from_mask(changed, first)
+
+    def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
+        """Remove voxels from a selection, a mask of the volume, and what they cut off from its positive points."""
+        first, mask = selection.region.cut_to((0, 0, 0), self.shape)
+        taken = excluded[tuple(slice(at, at + count) for at, count in zip(first, mask.shape, strict=True))]
+        if not (mask & taken).any():
+            return selection
+        parts = find_connected_parts(mask & ~taken, corners=True)
+        voxels = self._find_nearest_voxels(selection.inside) - first
+        found = parts.part_at(voxels[((voxels >= 0) & (voxels < mask.shape)).all(axis=1)])
+        held = np.isin(parts.labels, found[found >= 0] + 1) if (found >= 0).any() else parts.labels > 0
+        return replace(selection, region=Region.from_mask(held, first) if held.any() else NO_VOXELS)
 
     def build_selection(self, region: Region, inside: ArrayLike = (), outside: ArrayLike = ()) -> Selection:
         """Build the selection of a region, such as that of an object, with its points, shape (M, 3) and (K, 3)."""

@@ -109,7 +109,8 @@ def is_likely(found: Selection) -> bool:
 def is_run_everywhere(result: RunOutcome) -> bool:
     """Return whether a run began everywhere: evenly, on strong edges, or at all centers; also without seeds."""
     image, seeds, regions = require_image(result), result.seeds, result.regions
-    if not len(seeds) or is_everywhere(seeds, image.shape, regions, _relative_sides(image)):
+    even = (_relative_sides(image), (1.0,) * image.ndim)  # grids are even in space, those of `uniform_grid` in voxels
+    if not len(seeds) or any(is_everywhere(seeds, image.shape, regions, sides) for sides in even):
         return True
     on_pixels = (seeds == np.rint(seeds)).all(axis=1)  # those of rules are, but for some at the border
     return (bool(on_pixels.all()) and _begins_on_edges(result, image)) or (

@@ -252,3 +252,31 @@ def test_a_click_deep_in_an_organ_has_it_among_its_candidates_next_to_the_whole(
     assert max(_dice(one.mask, away < 18.0) for one in found) > 0.95
     assert _dice(found[-1].mask, away < 26.0) > 0.95
     assert len(found) < 4
+
+
+@pytest.mark.parametrize("runs", [False, True])
+def test_nothing_excluded_is_selected_in_a_volume_and_the_rest_is_what_it_would_be(runs):
+    away = _lengths((40, 40, 40), (1.0,) * 3, np.full(3, 20.0))
+    cut = cpm.partition(_seen(12.0 - away, (1.0,) * 3))
+    if runs:
+        cut = cpm.VolumePartition(cut.image, cut.select([(20, 20, 20)]).surface)
+    right = np.indices(away.shape)[2] >= 24
+    whole = cut.select([(20, 20, 16)])
+    chosen = cut.select([(20, 20, 16)], excluded=right)
+    np.testing.assert_array_equal(chosen.mask, whole.mask & ~right)
+    assert chosen.surface.closed and chosen.size < whole.size
+    more = cut.select([(20, 20, 12)], previous=chosen, excluded=right)
+    np.testing.assert_array_equal(more.mask, chosen.mask)
+    assert not any((one.mask & right).any() for one in cut.find_candidates([(20, 20, 16)], excluded=right))
+    np.testing.assert_array_equal(cut.select([(20, 20, 16)], excluded=away > 15.0).mask, whole.mask)
+
+
+def test_what_excluded_voxels_cut_off_from_the_click_is_left_out_and_a_click_in_them_is_ignored():
+    away = _lengths((40, 40, 40), (1.0,) * 3, np.full(3, 20.0))
+    cut = cpm.partition(_seen(12.0 - away, (1.0,) * 3))
+    wall = np.abs(np.indices(away.shape)[2] - 22) < 2
+    assert not cut.select([(20, 20, 14)], excluded=wall).mask[..., 21:].any()
+    nothing = cut.select([(20, 20, 22)], excluded=wall)
+    assert (nothing.has_boundary, nothing.remark) == (False, "A point in another object is ignored.")
+    with pytest.raises(ValueError, match="the excluded voxels are"):
+        cut.select([(20, 20, 14)], excluded=wall[1:])

@@ -174,6 +174,11 @@ class ObjectSelection(QObject):
         return last.clicks == self._session.document.objects.clicks
 
     @property
+    def has_waiting_actions(self) -> bool:
+        """Whether an action waits for an answer, so that what it leads to can be named, merged or removed after it."""
+        return bool(self._waiting)
+
+    @property
     def offer_is_known(self) -> bool:
         """Whether all that the run offers is shown; true if it offers nothing."""
         newest, last = self._request, self._answered
@@ -240,6 +245,7 @@ class ObjectSelection(QObject):
         if self._waiting or self._steps or (needs_answer and not self.answered):
             self._waiting.append(WaitingAction(action, click))
             self._show_awaited_clicks()
+            self.changed.emit()
         else:
             action()
 

@@ -309,8 +309,6 @@ class Selector:
     def _other_arguments(self, clicks: Clicks) -> JsonDict:
         """Return the arguments of a selection other than the positive points."""
         outside, previous = collect_points(clicks, inside=False), self.selection_for(clicks[:-1])
-        if isinstance(self.partition, VolumePartition):
-            return {"outside": outside, "previous": previous}
         return {"outside": outside, "previous": previous, "excluded": self._find_excluded(clicks)}
 
     def _find_excluded(self, clicks: Clicks) -> Mask | None:
@@ -343,13 +341,10 @@ class Selector:
 
     def _limit_proposal(self, proposal: Proposal) -> Proposal:
         """Leave the pixels of existing objects out of a proposal."""
-        partition, selection = self.partition, proposal.selection
-        if not (self._limits and isinstance(partition, Partition)):
-            return proposal
         excluded = self._find_excluded(proposal.clicks)
-        if excluded is None or not (selection.mask & excluded).any():
+        if excluded is None:
             return proposal
-        return replace(proposal, selection=partition.remove_pixels(selection, excluded))
+        return replace(proposal, selection=self.partition.remove_pixels(proposal.selection, excluded))
 
     def _find_candidates(self, clicks: Clicks) -> tuple[Sequence[Selection], int]:
         """Find the candidates for clicks, from small to large, and the index of the one selected without a step."""

@@ -68,11 +68,9 @@ class SplitTool(Tool):
         return self.is_dragged and self.volume is None
 
     def on_release(self) -> None:
-        """Split along the line, or use the click."""
-        if self._draws_line:
-            self._split_along(self.stroke)
-        else:
-            self._on_click(self.stroke[0])
+        """Split along the line, or use the click, after all that was done before."""
+        split = partial(self._split_along, self.stroke) if self._draws_line else partial(self._on_click, self.stroke[0])
+        self._workspace.object_selection.do_in_order(split)
 
     def on_hover(self, at: Place) -> None:
         """Schedule the preview of a split here, for when the pointer rests."""

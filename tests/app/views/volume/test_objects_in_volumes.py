@@ -57,9 +57,16 @@ def found(volume, hand, monkeypatch):
 
 def click(hand: Hand, at: tuple[float, float], keys: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
     """A click in the slice on the canvas, and the answer to it."""
+    begin_click(hand, at, keys)
+    settle(hand)
+
+
+def begin_click(
+    hand: Hand, at: tuple[float, float], keys: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier
+) -> None:
+    """A click in the slice on the canvas, whose answer is not waited for."""
     for act in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
         act(hand.canvas.viewport(), Button.LeftButton, keys, hand.at(*at))
-    settle(hand)
 
 
 def settle(hand: Hand) -> None:
@@ -308,3 +315,32 @@ def test_two_clicks_split_a_body_in_space_and_one_undo_joins_it(volume, hand) ->
     assert (one[10, 6], other[10, 13]) == (True, True)
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert items(volume) == (whole,)
+
+
+@pytest.mark.parametrize("key", [KEY.Key_F2, KEY.Key_Delete, KEY.Key_Backspace, KEY.Key_M, KEY.Key_K])
+def test_what_follows_enter_before_the_answer_is_done_after_it(volume, hand, key) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    selection, table = volume.workspace.object_selection, volume.panels["objects"].table
+    hand.wait(lambda: selection.ready)
+    volume.workspace.slices.go_through(ONE)
+    if key == KEY.Key_M:
+        click(hand, ONE[1:])
+        hand.key(KEY.Key_Return)
+        volume.workspace.slices.go_through(OTHER)
+    begin_click(hand, (OTHER if key == KEY.Key_M else ONE)[1:])
+    hand.key(KEY.Key_Return)
+    assert not selection.answered
+    if key == KEY.Key_M:
+        hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
+    hand.key(key)
+    if key == KEY.Key_K:
+        begin_click(hand, (ONE[1] - 3, ONE[2]))
+        begin_click(hand, (ONE[1] + 3, ONE[2]))
+    hand.wait(lambda: selection.idle)
+    if key == KEY.Key_F2:
+        hand.wait(lambda: table.state() == table.State.EditingState)
+        hand.key(KEY.Key_Escape)
+    count, whole = {KEY.Key_F2: (1, BALL), KEY.Key_M: (1, 2 * BALL), KEY.Key_K: (2, BALL)}.get(key, (0, 0.0))
+    hand.wait(lambda: len(items(volume)) == count)
+    assert sum(item.region.size for item in items(volume)) == pytest.approx(whole, rel=0.1)
