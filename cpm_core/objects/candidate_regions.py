@@ -1,13 +1,14 @@
-"""Regions of an image that contours bound, each of which may be an object.
+"""Regions of an image, each of which may be an object.
 
 They are what closed contours enclose, what several contours enclose that meet, parts between contours with gaps, and
-the bodies of each of these on both sides of a neck. Most are no objects, and many nearly the same.
+merged basins of the edge map. Most are no objects, and many nearly the same.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +19,21 @@ from cpm_core.contours.faces import find_faces
 from cpm_core.numerics.grids import Window, bounding_window, expand_window
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.objects.boundaries.necks import split_at_necks
-from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
+from cpm_core.objects.image_parts import ImageParts
+from cpm_core.objects.merged_basins import MIN_OBJECT_AREA
+from cpm_core.objects.partition import Partition
 
 _MAX_REGION_SHARE = 0.9
 """Largest share of the image that a region covers."""
+
+_MAX_WHOLE_SHARE = 0.4
+"""Largest share of the image that an enclosed region covers whose parts only contours bound."""
+
+_MIN_WHOLE_AREA = 1.2
+"""Least area of a region, in areas of a part of it."""
+
+_PART_SHARE = 0.7
+"""Share of a part that lies in it."""
 
 _SAME_REGION_IOU = 0.9
 """Overlap (intersection over union) above which two regions are the same."""
@@ -105,6 +117,10 @@ class BoundedRegion(NamedTuple):
         both = self.measure_overlap(other)
         return both / (self.area + other.area - both)
 
+    def is_part_of(self, other: BoundedRegion) -> bool:
+        """Return whether it lies in another that is larger."""
+        return other.area >= _MIN_WHOLE_AREA * self.area and self.measure_overlap(other) >= _PART_SHARE * self.area
+
     def is_brighter_outside(self, values: Array) -> bool:
         """Return whether an image of gray levels, shape (H, W), gets brighter outward across its boundary."""
         inner, outer = self.measure_rim_levels(values)
@@ -161,15 +177,17 @@ class CandidateRegions:
         partition = parts.partition
         whole = partition.shape if partition.parent is None else partition.parent.shape
         found = cls([], [], partition.values, partition.interest)
-        bounded = list(_find_bounded_regions(parts))
+        enclosed = list(_find_enclosed_regions(parts))
+        bounded = [*enclosed, *_fill_masks(parts.masks, partition)]
         for region in sorted(bounded, key=lambda one: -one.area):
             if _is_pierced(region, partition.values) and found.may_be_object(region):  # no hole of a larger one
                 found.pierced.append(region)
-        for region in bounded:
-            found._add_region(region, _MAX_REGION_SHARE * math.prod(whole))
-        for region in tuple(found.regions):
-            for body in split_region(region):
-                found._add_region(body, _MAX_REGION_SHARE * math.prod(whole))
+        pixels = math.prod(whole)
+        outer = [one for one in enclosed if one.area <= _MAX_WHOLE_SHARE * pixels]
+        basins = _fill_masks(parts.merged_masks, partition)
+        merged = (one for one in basins if not any(one.is_part_of(other) for other in outer))
+        for region in itertools.chain(bounded, merged):
+            found._add_region(region, _MAX_REGION_SHARE * pixels)
         return found
 
     def _add_region(self, region: BoundedRegion, most: float) -> None:
@@ -216,8 +234,8 @@ def _is_pierced(region: BoundedRegion, values: Array) -> bool:
     return abs(seen - outer) < _MAX_HOLE_DIFFERENCE * abs(seen - inner)
 
 
-def _find_bounded_regions(parts: ImageParts) -> Iterator[BoundedRegion]:
-    """Find all that contours bound, with duplicates."""
+def _find_enclosed_regions(parts: ImageParts) -> Iterator[BoundedRegion]:
+    """Find all that contours enclose, alone or where several meet, with duplicates."""
     partition = parts.partition
     for mask in partition.find_unambiguous_objects():
         yield BoundedRegion.from_mask(mask, unambiguous=True)
@@ -233,7 +251,11 @@ def _find_bounded_regions(parts: ImageParts) -> Iterator[BoundedRegion]:
                 if _is_pierced(one, partition.values)
             )
             yield from pierced
-    for box, mask in parts.masks:
+
+
+def _fill_masks(masks: Iterable[tuple[Window, Mask]], partition: Partition) -> Iterator[BoundedRegion]:
+    """Fill masks in boxes, except a hole through which the surroundings are seen, where they hold pixels."""
+    for box, mask in masks:
         inside = mask & partition.interest[box]
         if inside.any():
             part = BoundedRegion.from_mask(inside, tuple(side.start for side in box))
@@ -255,12 +277,10 @@ def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[BoundedRegion]:
         yield BoundedRegion.from_mask(mask, tuple(corner.tolist()))
 
 
-def split_region(region: BoundedRegion) -> Iterator[BoundedRegion]:
-    """Split a region at its necks into bodies that may be objects; yields nothing where it has no neck."""
+def has_neck(region: BoundedRegion) -> bool:
+    """Return whether a region has a neck between two bodies that may be objects."""
     least = max(MIN_OBJECT_AREA, _MIN_BODY_SHARE * region.area)
     if region.area < 2 * MIN_OBJECT_AREA:
-        return
-    bodies = split_at_necks(np.pad(region.mask, 1))[1:-1, 1:-1]
-    large = np.flatnonzero(np.bincount(bodies.ravel())[1:] >= least) + 1
-    for number in large.tolist() if len(large) > 1 else ():
-        yield BoundedRegion.from_mask(bodies == number, tuple(side.start for side in region.box))
+        return False
+    bodies = split_at_necks(np.pad(region.mask, 1))
+    return bool(np.count_nonzero(np.bincount(bodies.ravel())[1:] >= least) > 1)
