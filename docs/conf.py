@@ -7,11 +7,10 @@ from pathlib import Path
 from sphinx.application import Sphinx
 
 HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent)]
-
-from making import pages  # noqa: E402
+sys.path.insert(0, str(HERE.parent))
 
 import cpm_core  # noqa: E402
+from docs.making import pages  # noqa: E402
 
 project = "CPM"
 author = "The CPM authors"

@@ -33,6 +33,7 @@ LATE_LIBRARIES = {
     "cpm_core.contours.faces": {"shapely"},
     "cpm_core.contours.region_table": {"shapely"},
     "cpm_core.image.regions": {"shapely"},
+    "cpm_core.image.geometry": {"nibabel"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},
     "cpm_core.formats.images.analyze": {"nibabel"},
     "cpm_core.formats.images.nifti": {"nibabel"},
@@ -42,7 +43,6 @@ LATE_LIBRARIES = {
     "cpm_core.cli.workers": {"dask", "distributed"},
     "cpm_core.chunked.seams": {"shapely"},
     "cpm_core.chunked.results": {"pyarrow"},
-    "cpm_core.chunked.volume_results": {"pyarrow"},
     "cpm_core.formats.images.ome_zarr": {"zarr"},
     "cpm_core.formats.contours.dxf": {"ezdxf"},
     "cpm_core.formats.contours.geojson": {"shapely"},
@@ -267,8 +267,7 @@ def test_no_part_of_a_large_library_is_named_where_a_module_is_loaded():
 SHARED_CONSTANTS = {
     "LOG": "each module has its own logger",
     "FILE_KINDS": "the reader of each format of images says what it reads",
-    "WRITABLE": "the results of images and of volumes in chunks are modules with the same face",
-    "WRITERS": "the same",
+    "WRITERS": "the results of images and of volumes in chunks are modules with the same face",
 }
 """Names of constants that several modules define all the same, and why."""
 

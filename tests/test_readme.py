@@ -83,7 +83,7 @@ def test_the_tour_has_commands_and_an_example():
 
 def test_pictures_and_files_that_it_points_to_are_there():
     for page, text in {"README.md": TEXT, **PAGES}.items():
-        for target in re.findall(r"\]\((?!http|#|_made/)([^)#]+)[^)]*\)", text):
+        for target in re.findall(r"\]\((?!http|#)([^)#]+)[^)]*\)", text):
             assert (ROOT / page).parent.joinpath(target).is_file(), (page, target)
 
 

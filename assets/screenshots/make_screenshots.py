@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.samples import find_sample_named
+from cpm_app.session.features.comparison import TRUTH_KEY
 from cpm_app.views.application import make_application
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
@@ -153,8 +154,7 @@ def branches(stand: Stand) -> None:
     session.edit("damping", lambda document: edits.set_parameter(document, "beta", 2.5))
     stand.step_to(90)
     compared = stand.window.workspace.comparison
-    compared.add_branch(navigation.timeline_state.branches[0].identity)
-    compared.select_row(max(compared.rows))
+    compared.select_row(navigation.timeline_state.branches[0].identity)
     wait(lambda: len(compared.agreements) == 1)
     stand.window.docks.reveal_panel("compare")
     stand.settle()
@@ -164,7 +164,7 @@ def branches(stand: Stand) -> None:
 def trust(stand: Stand) -> None:
     """Nuclei compared with a truth, on both sides of the divider."""
     window, compared = stand.window, stand.window.workspace.comparison
-    window.use_theme(theme.DARK_THEME)
+    theme.apply_theme(theme.DARK_THEME, window)
     stand.open("nuclei.png")
     stand.run()
     sample = find_sample_named("nuclei.png")
@@ -175,8 +175,8 @@ def trust(stand: Stand) -> None:
         Picture.fromarray((values > np.percentile(values, 88)).astype(np.uint8) * 255).save(mask)
         compared.load_truth_file(mask)
         stand.settle()
-        wait(lambda: len(compared.rows) == 2)
-    compared.select_row(max(compared.rows))
+        wait(lambda: TRUTH_KEY in compared.rows)
+    compared.select_row(TRUTH_KEY)
     window.docks.reveal_panel("compare")
     stand.settle()
     wait(lambda: bool(compared.agreements))
@@ -231,7 +231,7 @@ def each_in_a_window(names: Iterable[str], size: tuple[int, int]) -> Iterator[tu
             QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(Path(folder) / name))
             window = open_window()
             window.resize(*size)
-            window.use_theme(theme.LIGHT_THEME)
+            theme.apply_theme(theme.LIGHT_THEME, window)
             stand = Stand(window)
             stand.settle()
             yield name, stand

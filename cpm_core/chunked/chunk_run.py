@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.chunked.grid import Chunk, ChunkedSource
+from cpm_core.chunked.chunked_contours import ChunkedTask
+from cpm_core.chunked.grid import Chunk
 from cpm_core.chunked.image_statistics import ImageStatistics
 from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above, uniform_grid
 from cpm_core.numerics.types import Array
-from cpm_core.parameters import Parameters
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution
 
@@ -27,35 +27,32 @@ Nearer ones would be deleted in the first steps, and take three times the memory
 
 
 def find_chunk_contours(
-    source: ChunkedSource,
-    chunk: Chunk,
-    statistics: ImageStatistics,
-    parameters: Parameters,
-    kind: str,
-    max_steps: int | None,
-) -> tuple[Contour, ...]:
-    """Find the contours of a run from everywhere in what a chunk sees, in px of the image."""
-    values = statistics.scaling.scale_grays(source.read_grays(chunk.padded))
-    own = statistics.scaling.adjust_parameters(parameters)
+    task: ChunkedTask, statistics: ImageStatistics, chunk: Chunk
+) -> tuple[list[Contour], list[Array]]:
+    """Find the contours and links of a run from everywhere in what a chunk sees, in px of the image."""
+    values = statistics.scaling.scale_grays(task.source.read_grays(chunk.padded))
+    own = statistics.scaling.adjust_parameters(task.parameters)
     if values.min() == values.max():
-        return ()
+        return [], []
     corner = (chunk.padded[0].start, chunk.padded[1].start)
-    image = Image(values, source=source.path.name)
+    image = Image(values, source=task.source.path.name)
     engine = Engine(
         image,
         own,
         measured=lambda field, scale, given: statistics.impose_on_field(field, scale, corner, given.edge_floor),
     )
-    seeds = _place_chunk_seeds(engine.scale_field(own), kind)
+    seeds = _place_chunk_seeds(engine.scale_field(own), task.kind)
     if not len(seeds):
-        return ()
-    run = Evolution(engine, engine.start(seeds), own, max_steps)
+        return [], []
+    run = Evolution(engine, engine.start(seeds), own, task.max_steps)
     for _ in run:
         pass
-    return tuple(
+    found = run.result
+    contours = [
         Contour(one.points + corner, one.closed, one.strength, one.junctions, bridged=one.bridged)
-        for one in run.result.contours
-    )
+        for one in found.contours
+    ]
+    return contours, [link + corner for link in found.links]
 
 
 def _place_chunk_seeds(field: ScaleField, kind: str) -> Array:

@@ -23,16 +23,13 @@ CHUNK_SIDE = 1024
 """Side of a core [px]: a run on it with its margin takes less than 1.5 GB."""
 
 _MIN_OVERLAP = 128
-"""Least number of pixels that a chunk sees around its core: objects of up to about 100 px are seen as a whole."""
+"""Least number of pixels that a chunk sees around its core [px]."""
 
 _DISTURBED_PIXELS = 16
 """Distance from the border of a padded chunk within which contours may differ from the whole image's [px]."""
 
 _DISTURBED_SIGMAS = 8.0
 """Addition to that distance, in sigmas of the smoothing."""
-
-OWNERSHIP_TOLERANCE = 1.0
-"""Distance from the border of a core within which a neighbor may place the middle of a box in its own core [px]."""
 
 _OVERLAP_MULTIPLE = 32
 """The overlap is a multiple of this, so that the pyramids of neighbors have the same pixels [px]."""
@@ -87,15 +84,16 @@ class Chunk:
     core: Window
     padded: Window
 
-    def may_own(self, middle: Array) -> bool:
-        """Return whether the chunk, or its neighbor, owns a contour whose box has this middle, shape (D,) [px]."""
-        low, high = window_limits(self.core)
-        return bool(((middle >= low - OWNERSHIP_TOLERANCE) & (middle < high + OWNERSHIP_TOLERANCE)).all())
-
 
 def window_limits(window: Window) -> Array:
     """Return where a window begins and ends, shape (2, D) [px]; centers of pixels are whole numbers."""
     return np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
+
+
+def outer_limits(window: Window, shape: Extent) -> Array:
+    """Return where a window of an image of this shape begins and ends, infinite along the border of the image."""
+    low, high = window_limits(window)
+    return np.array([np.where(low < 0.0, -np.inf, low), np.where(high > np.array(shape) - 1.0, np.inf, high)])
 
 
 def box_touches(contour: Contour, window: Window) -> bool:
@@ -114,14 +112,11 @@ class ChunkGrid:
         Shape of the image.
     side, overlap : int
         Side of the cores, and width of the margin that a chunk sees around its core [px].
-    max_whole_side : float
-        Longest side of the box of a contour that all chunks whose cores it touches see as a whole, undisturbed [px].
     """
 
     shape: Extent
     side: int
     overlap: int
-    max_whole_side: float
 
     @property
     def chunks(self) -> tuple[Chunk, ...]:
@@ -148,21 +143,13 @@ class ChunkGrid:
             )
             yield int(np.ravel_multi_index(at, self.counts)), core
 
-    def sees_whole(self, contour: Contour) -> bool:
-        """Return whether each chunk whose core a contour touches sees all of it, undisturbed."""
-        return bool((contour.box[1] - contour.box[0]).max() <= self.max_whole_side)
+    def find_chunks_in(self, window: Window) -> list[int]:
+        """Find the numbers of the chunks whose cores have pixels in a window."""
+        return [number for number, _ in self.split_window(window)]
 
-    def find_neighbors(self, number: int) -> list[int]:
+    def find_neighbors(self, chunk: Chunk) -> list[int]:
         """Find the numbers of a chunk and of its neighbors."""
-        at = np.array(np.unravel_index(number, self.counts)).tolist()
-        near = np.ix_(*(range(max(k - 1, 0), min(k + 2, n)) for k, n in zip(at, self.counts, strict=True)))
-        found: list[int] = np.ravel_multi_index(near, self.counts).ravel().tolist()
-        return found
-
-    def find_owners_near(self, window: Window) -> list[int]:
-        """Find the chunks that may own a contour with pixels in a window, if they see all of it."""
-        wide = expand_window(window, math.ceil(0.5 * self.max_whole_side + OWNERSHIP_TOLERANCE) + 1, self.shape)
-        return [number for number, _ in self.split_window(wide)]
+        return self.find_chunks_in(expand_window(chunk.core, 1, self.shape))
 
 
 def disturbed_margin(smoothing: float) -> int:
@@ -174,4 +161,4 @@ def build_grid(shape: Extent, parameters: Parameters, smoothing: float, side: in
     """Build the grid for a run with these parameters and a Gaussian of `smoothing` px."""
     needed = disturbed_margin(smoothing) + max(parameters.min_length, parameters.max_gap)
     overlap = -(-max(_MIN_OVERLAP, math.ceil(needed)) // _OVERLAP_MULTIPLE) * _OVERLAP_MULTIPLE
-    return ChunkGrid(shape, side, overlap, float(overlap - disturbed_margin(smoothing)))
+    return ChunkGrid(shape, side, overlap)

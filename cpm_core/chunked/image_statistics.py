@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from functools import cache, partial
-from typing import NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
 from cpm_core.field.edge_map import automatic_smoothing, smoothed_gradient, vector_magnitudes
-from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, WEAKEST_EDGE, ScaleField, pack_force, weakest_edge
-from cpm_core.image.border import dilate_by_distance, find_pixels_inside_border
+from cpm_core.field.scale_field import LARGE_IMAGE_PIXELS, ScaleField, charge_edges, weakest_edge
+from cpm_core.image.border import find_pixels_inside_border
 from cpm_core.image.gray_levels import (
     SPECK_REACH,
     GrayEnds,
@@ -26,29 +26,25 @@ from cpm_core.image.gray_levels import (
     merge_gray_ends,
 )
 from cpm_core.image.pyramid import build_pyramid
-from cpm_core.numerics.grids import expand_window, relative_window, whole_window
-from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
+from cpm_core.numerics.grids import Window, bounding_window, expand_window, relative_window, whole_window
+from cpm_core.numerics.types import Array, Arrays, Extent, Integers, JsonDict, frozen
 from cpm_core.objects.partition import ParentImage
 from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_edge_window
 
 _STATISTICS_SAMPLES = 2**22
-"""Number of pixels of the whole image whose gray levels and edge strengths are sampled."""
-
-_EDGE_MAP_MARGIN = 4
-"""Distance beyond the image border up to which the edge map is kept, as in a run on the whole image [px]."""
+"""Number of pixels of the whole image whose edge strengths are sampled."""
 
 _MAX_COARSE_SIDE = 2048
 """Longest side of the coarse image in which the border and the strongest edge are looked for [px]."""
 
 
 class ChunkGrayLevels(NamedTuple):
-    """Gray levels of the core of a chunk: their ends, a dense and a sparse sample, and means of blocks."""
+    """Gray levels of the core of a chunk: their ends, a sample, and means of blocks."""
 
     ends: GrayEnds
     sample: Array
-    sparse_sample: Array
     blocks: Array
 
 
@@ -111,48 +107,32 @@ class ImageStatistics:
     parent: ParentImage | None = None
 
     @property
-    def arrays(self) -> dict[str, tuple[float, ...]]:
+    def arrays(self) -> JsonDict:
         """The statistics as arrays to be stored."""
-        tone = self.scaling
-        range_ = (tone.low, tone.high, tone.exponent, tone.smoothing)
         judged = () if self.parent is None else (*self.parent.gray_range, self.parent.smoothing)
-        found = {"strongest": self.strongest, "floor": self.floor, "judged": judged}
-        return {"tone": range_, "inside": tone.inside, **found}
+        return {**asdict(self.scaling), "strongest": self.strongest, "floor": self.floor, "judged": judged}
 
     @classmethod
-    def from_arrays(cls, numbers: Mapping[str, Array], shape: Extent) -> ImageStatistics:
+    def from_arrays(cls, arrays: Mapping[str, Array], shape: Extent) -> ImageStatistics:
         """Build from stored arrays and the shape of the image."""
-        low, high, exponent, smoothing = numbers["tone"].tolist()
-        inside, strongest, floor = (tuple(numbers[name].tolist()) for name in ("inside", "strongest", "floor"))
-        judged = numbers["judged"].tolist()
-        frame = ParentImage(shape, (0, 0), tuple(judged[:2]), judged[2]) if judged else None
-        return cls(GrayScaling(low, high, exponent, smoothing, inside), strongest, floor, frame)
+        plain: JsonDict = {
+            name: tuple(values.tolist()) if values.ndim else float(values) for name, values in arrays.items()
+        }
+        scaling = GrayScaling(*(plain[field.name] for field in fields(GrayScaling)))
+        *gray_range, smoothing = plain["judged"] or (None,)
+        parent = None if smoothing is None else ParentImage(shape, (0, 0), tuple(gray_range), smoothing)
+        return cls(scaling, plain["strongest"], plain["floor"], parent)
 
     def impose_on_field(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
         """Impose what depends on the whole image on the field of a chunk whose first pixel is `corner` of the image."""
-        strongest, strength = self.strongest[scale], field.edge_map
-        holding = WEAKEST_EDGE * strongest
         top, left, bottom, right = self.scaling.inside
         rows, cols = (
             (start <= at) & (at < end)
-            for n, first, start, end in zip(strength.shape, corner, (top, left), (bottom, right), strict=True)
+            for n, first, start, end in zip(field.shape, corner, (top, left), (bottom, right), strict=True)
             for at in [first + (np.arange(n) + 0.5) * 2**scale - 0.5]
         )
-        inside = rows[:, None] & cols
-        cut = not inside.all()
-        charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
-        if cut:
-            strength = np.where(dilate_by_distance(inside, _EDGE_MAP_MARGIN), strength, strength.dtype.type(0))
-        return replace(
-            field,
-            force=cache(partial(pack_force, field.exponent, charged, field.slopes, strength, holding, cut)),
-            holding=holding,
-            edge_map=strength,
-            strongest=strongest,
-            fixed_charges=charged,
-            floor=self.floor[scale],
-            cut=cut,
-        )
+        found = replace(field, strongest=self.strongest[scale], floor=self.floor[scale])
+        return charge_edges(found, rows[:, None] & cols, edge_floor)
 
 
 def find_block_side(shape: Extent) -> int:
@@ -161,7 +141,7 @@ def find_block_side(shape: Extent) -> int:
 
 
 def find_sample_spacing(shape: Extent) -> int:
-    """Find the distance of the pixels whose gray levels and edge strengths are sampled [px]."""
+    """Find the distance of the pixels whose edge strengths are sampled [px]."""
     return max(math.ceil((math.prod(shape) / _STATISTICS_SAMPLES) ** (1.0 / len(shape))), 1)
 
 
@@ -178,20 +158,12 @@ def measure_gray_ends(source: ChunkedSource, chunk: Chunk) -> GrayEnds:
 def measure_gray_levels(source: ChunkedSource, chunk: Chunk) -> ChunkGrayLevels:
     """Measure the gray levels of a chunk."""
     shape = source.shape
-    values, step, few, side = (
-        source.read_grays(chunk.core),
-        find_sample_spacing(shape),
-        find_sample_step(shape),
-        find_block_side(shape),
-    )
-    first, left = (-side.start % few for side in chunk.core)
+    values, step, side = source.read_grays(chunk.core), find_sample_step(shape), find_block_side(shape)
+    first, left = (-side.start % step for side in chunk.core)
     rows, cols = (-(-n // side) for n in values.shape)
     even = np.pad(values, ((0, rows * side - values.shape[0]), (0, cols * side - values.shape[1])), mode="edge")
     blocks = even.reshape(rows, side, cols, side).mean(axis=(1, 3))
-    return ChunkGrayLevels(
-        measure_gray_ends(source, chunk), values[::step, ::step].ravel(), values[first::few, left::few].ravel(),
-        blocks,
-    )  # fmt: skip
+    return ChunkGrayLevels(measure_gray_ends(source, chunk), values[first::step, left::step].ravel(), blocks)
 
 
 def find_scaling(
@@ -201,27 +173,28 @@ def find_scaling(
     low, high = merge_gray_ends(one.ends for one in seen).usable
     sample = limit_to_usable(np.concatenate([one.sample for one in seen]), (low, high))
     exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
-    side, coarse, smoothing = find_block_side(grid.shape), _assemble_coarse_image(grid, seen), parameters.smoothing
+    tone, smoothing = GrayScaling(low, high, exponent, 0.0, ()), parameters.smoothing
+    side, coarse = find_block_side(grid.shape), _assemble_coarse_image(grid, seen)
     if smoothing == "auto":
-        smoothing = _find_smoothing(source, coarse, GrayScaling(low, high, exponent, 0.0, (0, 0, 0, 0)))
+        smoothing = _find_smoothing(source, coarse, tone)
     sigma = max(float(smoothing) / side, 1.0 if side > 1 else 0.0)
-    slopes = smoothed_gradient(GrayScaling(low, high, exponent, sigma, (0, 0, 0, 0)).scale_grays(coarse), sigma)
+    slopes = smoothed_gradient(tone.scale_grays(coarse), sigma)
     inside = find_pixels_inside_border(
         lambda part: slopes[(slice(None), *part)], vector_magnitudes(slopes), sigma, parameters.max_border
     )
-    ends = []
-    for axis, n in enumerate(grid.shape):
-        free = np.flatnonzero(inside.any(axis=1 - axis))
-        first, end = (int(free[0]), int(free[-1]) + 1) if len(free) else (0, 0)
-        ends.append((first * side, n if end == inside.shape[axis] else end * side))
-    (top, bottom), (left, right) = ends
-    return GrayScaling(low, high, exponent, float(smoothing), (top, left, bottom, right))
+    free = bounding_window(inside) if inside.any() else (slice(0, 0), slice(0, 0))
+    begin = (part.start * side for part in free)
+    end = (
+        n if part.stop == blocks else part.stop * side
+        for part, blocks, n in zip(free, inside.shape, grid.shape, strict=True)
+    )
+    return replace(tone, smoothing=float(smoothing), inside=(*begin, *end))
 
 
 def build_parent_image(source: ChunkedSource, grid: ChunkGrid, seen: Sequence[ChunkGrayLevels]) -> ParentImage:
     """Describe the image that objects are judged in, from the gray levels of the chunks in the order of the grid."""
-    grays = measure_gray_range(np.concatenate([one.sparse_sample for one in seen]))
-    plain = GrayScaling(-math.inf, math.inf, 1.0, 0.0, (0, 0, 0, 0))
+    grays = measure_gray_range(np.concatenate([one.sample for one in seen]))
+    plain = GrayScaling(-math.inf, math.inf, 1.0, 0.0, ())
     return ParentImage(grid.shape, (0, 0), grays, _find_smoothing(source, _assemble_coarse_image(grid, seen), plain))
 
 
@@ -240,23 +213,37 @@ def _find_smoothing(source: ChunkedSource, coarse: Array, tone: GrayScaling) -> 
     return automatic_smoothing(tone.scale_grays(source.read_grays(part)))
 
 
-def measure_edges(source: ChunkedSource, chunk: Chunk, tone: GrayScaling, parameters: Parameters) -> ChunkEdges:
+def measure_edges(source: ChunkedSource, chunk: Chunk, tone: GrayScaling, scales: int) -> ChunkEdges:
     """Measure the edges of a chunk at each scale."""
-    step = find_sample_spacing(source.shape)
     top, left, bottom, right = tone.inside
-    core = tuple(
+    inside = tuple(
         slice(min(max(side.start, low), high), max(min(side.stop, high), low))
         for side, low, high in zip(chunk.core, (top, left), (bottom, right), strict=True)
     )
+    return measure_strengths(
+        build_pyramid(tone.scale_grays(source.read_grays(chunk.padded)), scales),
+        chunk.padded,
+        inside,
+        find_sample_spacing(source.shape),
+        lambda values: vector_magnitudes(smoothed_gradient(values, tone.smoothing)),
+    )
+
+
+def measure_strengths(
+    pyramid: Arrays, seen: Window, inside: Window, step: int, find_strength: Callable[[Array], NDArray[Any]]
+) -> ChunkEdges:
+    """Measure the edge strength inside one of two windows, of which all is seen at each scale of a pyramid.
+
+    One pixel in `step` is sampled along each axis.
+    """
     strongest, samples = [], []
-    for scale, values in enumerate(build_pyramid(tone.scale_grays(source.read_grays(chunk.padded)), parameters.scales)):
-        strength = vector_magnitudes(smoothed_gradient(values, tone.smoothing))
+    for scale, values in enumerate(pyramid):
         size = 2**scale
-        part = strength[
-            tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative_window(core, chunk.padded))
-        ]
-        strongest.append(float(part.max(initial=0.0)))
-        samples.append(part[:: max(step // size, 1), :: max(step // size, 1)].ravel())
+        part = tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative_window(inside, seen))
+        strength = find_strength(values)[part]
+        strongest.append(float(strength.max(initial=0.0)))
+        some = strength[tuple(slice(-(side.start // size) % step, None, step) for side in inside)]
+        samples.append(some.ravel().astype(float))
     return ChunkEdges(tuple(strongest), tuple(samples))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
-from cpm_core.chunked.run import ChunkedContours, ChunkedTask, Compute
+from cpm_core.chunked.chunked_contours import ChunkedContours, ChunkedTask
+from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid, window_limits
+from cpm_core.chunked.run import Compute
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
@@ -32,26 +33,19 @@ from cpm_core.results.result import Result
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Everywhere
 
-WRITABLE = {
-    ".zarr": "insides of closed contours as a label image in levels of resolution (OME-Zarr)",
-    ".geojson": "contours for QuPath, a file for each chunk, with its first row and column in the name",
-    ".csv": "a table of what closed contours enclose",
-    ".parquet": "the same table for programs",
-}
-"""Descriptions of the files by suffix."""
-
 
 def write_results(
-    found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]
+    found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str | None]]
 ) -> list[str]:
     """Write files by their suffixes, and return the name of each file, or of all its tiles.
 
-    Writers take what was found, a path, a draft to write to until all is written, and how jobs are computed.
+    Writers take what was found, a path, a draft to write to until all is written, and how jobs are computed; they
+    return the name where it is not the path.
     """
     written = []
     for path in map(Path, paths):
         with _open_draft(path) as draft:
-            written.append(writers[path.suffix.lower()](found, path, draft, compute))
+            written.append(writers[path.suffix.lower()](found, path, draft, compute) or str(path))
     return written
 
 
@@ -67,10 +61,9 @@ def _open_draft(path: Path) -> Iterator[Path]:
         draft.replace(path)
 
 
-def write_label_image(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> str:
+def write_label_image(found: ChunkedContours, _: Path, draft: Path, compute: Compute) -> None:
     """Write a label image in levels of resolution."""
     build_label_image(found.task.source, found.grid, draft, partial(_paint_chunk_labels, found, draft), compute)
-    return str(path)
 
 
 def build_label_image(
@@ -175,35 +168,46 @@ def build_provenance(task: ChunkedTask) -> Provenance:
     )
 
 
-def write_contour_table(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> str:
+def write_contour_table(found: ChunkedContours, path: Path, draft: Path, compute: Compute) -> None:
     """Write a table, with a row for each closed contour."""
+    write_table_parts(path, draft, _in_order(compute(partial(_build_table_columns, found), found.grid.chunks, "table")))
+
+
+def _in_order(results: Iterable[tuple[int, Any]]) -> Iterator[Any]:
+    """Put results in the order of their jobs."""
+    early, following = {}, 0
+    for at, result in results:
+        early[at] = result
+        while following in early:
+            yield early.pop(following)
+            following += 1
+
+
+def write_table_parts(path: Path, draft: Path, parts: Iterable[Mapping[str, Array]]) -> None:
+    """Write a table whose parts have the same columns to a draft, in the format of the suffix of its path."""
     import pyarrow
     from pyarrow import csv, parquet
 
-    tables: dict[int, Any] = {}
-    writer, following = None, 0
     make = parquet.ParquetWriter if path.suffix.lower() == ".parquet" else csv.CSVWriter
-    for at, columns in compute(partial(_build_table_columns, found), found.grid.chunks, "table"):
-        tables[at] = columns
-        while following in tables:  # in the order of the chunks
-            table = pyarrow.table(tables.pop(following))
-            writer = writer or make(str(draft), table.schema)
+    with ExitStack() as stack:
+        writer = None
+        for table in map(pyarrow.table, parts):
+            writer = writer or stack.enter_context(make(str(draft), table.schema))
             writer.write_table(table)
-            following += 1
-    if writer is not None:
-        writer.close()
-    return str(path)
 
 
 def _build_table_columns(found: ChunkedContours, chunk: Chunk) -> dict[str, Array]:
     """Build columns on what the closed contours of a chunk enclose, lengths in the unit of the image if it has one.
 
-    Of contours that no single chunk sees, the area includes what lies inside, and gray levels are not measured.
+    Of contours that reach beyond the next chunk, the area includes what lies inside, and gray levels are not measured.
     """
     source, own = found.task.source, [one for one in found.read_chunk_contours(chunk.number) if one.closed]
     levels = source.levels
-    short = [one for one in own if one.group or found.grid.sees_whole(one)]
-    long = [one for one in own if not (one.group or found.grid.sees_whole(one))]
+    low, high = window_limits(expand_window(chunk.core, found.grid.side, found.grid.shape))
+    short: list[Contour] = []
+    long: list[Contour] = []
+    for one in own:
+        (short if (one.box[0] >= low).all() and (one.box[1] <= high).all() else long).append(one)
     columns: dict[str, list[Array]] = {"label": [np.array(_number_labels([*short, *long]), np.int64)]}
     for some in (short, long):
         labels: NDArray[Any] = np.zeros((1, 1), np.int64)
@@ -233,7 +237,7 @@ def _wait_for_jobs(results: Iterable[object]) -> None:
         pass
 
 
-WRITERS: Mapping[str, Callable[..., str]] = {
+WRITERS: Mapping[str, Callable[..., str | None]] = {
     ".zarr": write_label_image,
     ".geojson": write_geojson_tiles,
     **dict.fromkeys((".csv", ".parquet"), write_contour_table),

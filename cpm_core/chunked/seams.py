@@ -1,185 +1,124 @@
-"""Seams: which chunk a contour belongs to, and contours joined across the borders of chunks.
+"""Seams: contours joined across the borders of chunks.
 
-A closed contour whose box is at most `ChunkGrid.max_whole_side` long belongs to the chunk with the middle of its box.
-That chunk sees all of it undisturbed, and so do all chunks whose cores it touches: no chunk asks another. Of longer
-contours each chunk keeps the pieces in its core and a little beyond, so that pieces of neighbors overlap; there they
-are joined, and stretches that a contour shares with another at its ends are kept once.
+A contour away from the border of a core belongs to one chunk alone. Of all others each chunk keeps what lies in its
+core and a little beyond, so that the pieces of neighbors overlap. Of a stretch that several chunks see, the first one
+keeps its own; then the ends of what is left lie next to one another, and are joined.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy
 
-from cpm_core.chunked.grid import OWNERSHIP_TOLERANCE, Chunk, ChunkGrid, window_limits
-from cpm_core.chunked.store import ContourPiece
+from cpm_core.chunked.grid import Chunk, outer_limits
 from cpm_core.contours.contour import Contour
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.grids import label_joined_pairs
+from cpm_core.numerics.types import Array, Extent
 
-_PIECE_MARGIN = 6.0
-"""Distance beyond its core up to which a chunk keeps long contours [px]."""
+_PIECE_MARGIN = 2.0
+"""Distance beyond its core up to which a chunk keeps pieces of contours [px]."""
+
+_UNSHARED_MARGIN = 3.0
+"""Distance from the border of its core from which on only one chunk sees a contour in or near its core [px]."""
 
 _SAME_BOUNDARY_DISTANCE = 0.5
 """Distance up to which two chunks see the same boundary [px]; in fact they differ by some thousandths."""
 
+_JOINT_DISTANCE = 1.0
+"""Distance up to which the ends of two pieces are joined [px]; the distance above is left between them."""
 
-def select_owned_contours(
-    contours: Sequence[Contour], chunk: Chunk, grid: ChunkGrid
-) -> tuple[list[ContourPiece], list[ContourPiece]]:
-    """Select the contours that a chunk owns, and cut pieces of long ones."""
-    low, high = window_limits(chunk.core)
-    low, high = np.where(low < 0.0, -np.inf, low), np.where(high > np.array(grid.shape) - 1.0, np.inf, high)
-    whole: list[ContourPiece] = []
-    pieces: list[ContourPiece] = []
+
+def split_by_core(contours: Sequence[Contour], chunk: Chunk, shape: Extent) -> tuple[list[Contour], list[Contour]]:
+    """Split what a chunk of an image of this shape sees into contours of it alone, and pieces to be joined."""
+    low, high = outer_limits(chunk.core, shape)
+    own: list[Contour] = []
+    pieces: list[Contour] = []
     for one in contours:
-        if not one.closed or not grid.sees_whole(one):
-            pieces += _clip_contour(one, low - _PIECE_MARGIN, high + _PIECE_MARGIN)
-        elif chunk.may_own(one.box.mean(axis=0)):
-            whole.append(ContourPiece(one))
-    return whole, pieces
+        if (one.box[0] >= low + _UNSHARED_MARGIN).all() and (one.box[1] <= high - _UNSHARED_MARGIN).all():
+            own.append(one)
+        else:
+            pieces += clip_contour(one, low - _PIECE_MARGIN, high + _PIECE_MARGIN)
+    return own, pieces
 
 
-def _clip_contour(contour: Contour, low: Array, high: Array) -> Iterator[ContourPiece]:
-    """Cut the stretches of a contour within limits, each with one vertex beyond."""
-    points = contour.points
-    inside = ((points >= low) & (points <= high)).all(axis=1)
-    if inside.all():
-        yield ContourPiece(contour)
-        return
-    if contour.closed:  # from a vertex outside on, and back to it
-        first = int(np.argmin(inside))
-        points = np.roll(points, -first, axis=0)
-        points, inside = np.concatenate([points, points[:1]]), np.append(np.roll(inside, -first), False)
-    steps = np.flatnonzero(np.diff(inside.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
-    for first, end in steps.tolist():
-        cut = (first > 0, end < len(points))
-        stretch = points[max(first - 1, 0) : end + 1]
-        ends = (contour.junctions[0] and not cut[0], contour.junctions[1] and not cut[1])
-        yield ContourPiece(replace(contour, points=stretch, closed=False, junctions=ends), cut)
+def clip_contour(contour: Contour, low: Array, high: Array) -> Iterator[Contour]:
+    """Clip a contour to a box between two corners, shapes (2,) [px]."""
+    import shapely
+
+    return _take_stretches(contour, shapely.clip_by_rect(shapely.LineString(contour.path), *low, *high))
 
 
-def find_duplicates(boxes: Array, chunks: Index, grid: ChunkGrid) -> Mask:
-    """Find the contours that two chunks own, of which all but one are duplicates; shape (N,).
+def _take_stretches(contour: Contour, lines: Any) -> Iterator[Contour]:
+    """Take the stretches of a contour along lines of shapely; their ends are at its junctions where these are left."""
+    import shapely
 
-    `boxes`, shape (N, 2, 2) [px], and `chunks`, shape (N,), are those of all contours.
-    """
-    middle = boxes.mean(axis=1)
-    edge = (middle + 0.5) % grid.side
-    near = np.flatnonzero(
-        (np.minimum(edge, grid.side - edge) <= OWNERSHIP_TOLERANCE + _SAME_BOUNDARY_DISTANCE).any(axis=1)
-    )
-    found = np.zeros(len(boxes), bool)
-    if len(near):
-        pairs = scipy.spatial.KDTree(boxes[near].reshape(-1, 4)).query_pairs(
-            _SAME_BOUNDARY_DISTANCE, p=np.inf, output_type="ndarray"
-        )
-        one, other = near[pairs].T
-        apart = chunks[one] != chunks[other]
-        found[np.maximum(one, other)[apart]] = True
-    return found
+    junctions = contour.points[[0, -1]][list(contour.junctions)]
+    for points in map(shapely.get_coordinates, shapely.get_parts(shapely.line_merge(lines))):
+        if len(points) > 1:
+            away = np.linalg.norm(points[[0, -1], None] - junctions, axis=2)
+            closed = contour.closed and bool((points[0] == points[-1]).all())
+            first, last = (away <= _JOINT_DISTANCE).any(axis=1).tolist()
+            yield replace(contour, points=points[: len(points) - closed], closed=closed, junctions=(first, last))
 
 
-class _End(NamedTuple):
-    """The piece that continues another one: its index, which of its ends lies here, and the vertex to continue at."""
-
-    piece: int
-    end: int
-    vertex: int
-
-
-def join_pieces(pieces: list[ContourPiece], chunks: Sequence[int], least: float) -> list[Contour]:
+def join_pieces(pieces: Sequence[Contour], chunks: Sequence[int], least: float) -> list[Contour]:
     """Join the pieces of all chunks to contours of at least this length; `chunks` holds the chunk of each piece."""
     import shapely
 
-    lines = [shapely.LineString(piece.contour.path) for piece in pieces]
-    tree = shapely.STRtree(lines)
-    order = sorted(range(len(pieces)), key=lambda n: (lines[n].length, n))
-    gone: set[int] = set()
-    for n in order:  # drop pieces that lie entirely on pieces of other chunks
-        near = tree.query(lines[n], "dwithin", _SAME_BOUNDARY_DISTANCE).tolist()
-        others = [lines[m] for m in near if chunks[m] != chunks[n] and m not in gone]
-        if others and shapely.union_all(others).buffer(_SAME_BOUNDARY_DISTANCE).covers(lines[n]):
-            gone.add(n)
-    ends: dict[tuple[int, int], _End] = {}
-    for n in (n for n in order if n not in gone):
-        for end in (0, 1):
-            if pieces[n].cut[end] and (n, end) not in ends:
-                points = pieces[n].contour.points[:: -1 if end == 0 else 1]
-                near = tree.query(shapely.Point(points[-1]), "dwithin", _SAME_BOUNDARY_DISTANCE).tolist()
-                others = [m for m in near if m != n and m not in gone and chunks[m] != chunks[n]]
-                for m in sorted(others, key=lambda m: lines[m].distance(shapely.Point(points[-1]))):
-                    known = _find_continuation(points, pieces[m].contour.points)
-                    if pieces[m].cut[known[0]] and (m, known[0]) not in ends:
-                        ends[n, end] = _End(m, *known)
-                        back = pieces[m].contour.points[:: -1 if known[0] == 0 else 1]
-                        ends[m, known[0]] = _End(n, end, _find_continuation(back, pieces[n].contour.points)[1])
-                        break
-    left = [n for n in range(len(pieces)) if n not in gone]
-    return [one for one in _trim_shared_ends(_chain_pieces(pieces, left, ends)) if one.length >= least]
+    if not pieces:
+        return []
+    lines, of = np.array([shapely.LineString(piece.path) for piece in pieces]), np.array(chunks)
+    one, other = shapely.STRtree(lines).query(lines, "dwithin", _SAME_BOUNDARY_DISTANCE)
+    earlier = of[other] < of[one]
+    seen = shapely.multilinestrings(lines[other[earlier]], indices=one[earlier], out=np.full(len(lines), None))
+    new = shapely.difference(lines, shapely.buffer(seen, _SAME_BOUNDARY_DISTANCE))
+    left = np.where(shapely.is_missing(seen), lines, new)
+    stretches = [part for piece, line in zip(pieces, left, strict=True) for part in _take_stretches(piece, line)]
+    joined = _join_stretches(stretches, _find_joints(stretches))
+    return [one for one in joined if one.length >= least]
 
 
-def _trim_shared_ends(contours: list[Contour]) -> Iterator[Contour]:
-    """Cut off the stretches at the ends of contours that lie on others, the shortest contour first."""
+def _find_joints(stretches: Sequence[Contour]) -> list[tuple[int, int]]:
+    """Find the ends that lie next to each other, the nearest first; stretch n has the ends 2n and 2n + 1."""
+    ends = np.concatenate([one.points[[0, -1]] for one in stretches])
+    loose = np.flatnonzero([not (one.closed or at_junction) for one in stretches for at_junction in one.junctions])
+    pairs = loose[scipy.spatial.KDTree(ends[loose]).query_pairs(_JOINT_DISTANCE, output_type="ndarray")]
+    joints: list[tuple[int, int]] = []
+    taken = set[int]()
+    for a, b in pairs[np.argsort(np.linalg.norm(ends[pairs[:, 0]] - ends[pairs[:, 1]], axis=1))].tolist():
+        is_dot = a // 2 == b // 2 and stretches[a // 2].length <= 2.0 * _JOINT_DISTANCE
+        if taken.isdisjoint((a, b)) and not is_dot:
+            joints.append((a, b))
+            taken |= {a, b}
+    return joints
+
+
+def _join_stretches(stretches: Sequence[Contour], joints: Sequence[tuple[int, int]]) -> Iterator[Contour]:
+    """Join stretches at pairs of their ends."""
     import shapely
 
-    contours = sorted(contours, key=lambda one: one.length)
-    lines = [shapely.LineString(one.path) for one in contours]
-    tree = shapely.STRtree(lines)
-    for n, one in enumerate(contours):
-        near = (
-            []
-            if one.closed
-            else [lines[m] for m in tree.query(lines[n], "dwithin", _SAME_BOUNDARY_DISTANCE).tolist() if m != n]
-        )
-        own = (
-            ~shapely.dwithin(shapely.points(one.points), shapely.union_all(near), _SAME_BOUNDARY_DISTANCE)
-            if near
-            else np.ones(1, bool)
-        )
-        first, end = (max(int(way.argmax()) - 1, 0) for way in (own, own[::-1]))  # with a vertex where they meet
-        kept = one.points[first : len(one.points) - end] if own.any() else one.points[:0]
-        lines[n] = shapely.LineString(kept) if len(kept) < len(one.points) else lines[n]
-        if len(kept) > 1:
-            yield replace(one, points=kept)
-
-
-def _find_continuation(points: Array, other: Array) -> tuple[int, int]:
-    """Find the end of another line that a line runs over before its last point, and the vertex after that point."""
-    back = points[max(len(points) - 3, 0)]
-    here, before = (int(np.argmin(((other - at) ** 2).sum(axis=1))) for at in (points[-1], back))
-    if here == before:  # the line is shorter than the step between vertices
-        along = other[min(here + 1, len(other) - 1)] - other[max(here - 1, 0)]
-        before = here - 1 if (points[-1] - back) @ along >= 0.0 else here + 1
-    return (0, min(here + 1, len(other) - 1)) if here > before else (1, max(here - 1, 0))
-
-
-def _chain_pieces(
-    pieces: Sequence[ContourPiece], left: Sequence[int], ends: dict[tuple[int, int], _End]
-) -> list[Contour]:
-    """Chain pieces that are connected at their ends, from loose ends on, then those that run around."""
-    found, used = [], set[int]()
-    loose = [(n, end) for n in left for end in (0, 1) if (n, end) not in ends]
-    for first, begun in (*loose, *((n, 0) for n in left)):
-        if first in used:
-            continue
-        following: _End | None = _End(first, begun, 0 if begun == 0 else len(pieces[first].contour.points) - 1)
-        passed: list[Contour] = []
-        paths: list[Array] = []
-        while following is not None and following.piece not in used:
-            n, end, vertex = following
-            used.add(n)
-            passed.append(pieces[n].contour)
-            paths.append(passed[-1].points[vertex:] if end == 0 else passed[-1].points[vertex::-1])
-            following = ends.get((n, 1 - end))
-        around = following is not None and following.piece == first
-        if around and following is not None:  # the first stretch begins where the last one ends
-            paths[0] = paths[0][following.vertex :]
-        closed = around or passed[0].closed
-        strength = float(np.average([one.strength for one in passed], weights=[one.length for one in passed]))
-        tips = (passed[0].junctions[begun], passed[-1].junctions[1 - end])
-        found.append(Contour(np.concatenate(paths), closed, strength, (False, False) if closed else tips))
-    return found
+    ends = [tuple(end) for one in stretches for end in one.points[[0, -1]].tolist()]
+    flags = [at_junction for one in stretches for at_junction in one.junctions]
+    junctions = {end for end, at_junction in zip(ends, flags, strict=True) if at_junction}
+    pairs = np.array(joints, np.int64).reshape(-1, 2)
+    group = label_joined_pairs(pairs.T // 2, len(stretches))
+    lines = [shapely.LineString(one.path) for one in stretches]
+    lines += [shapely.LineString([ends[a], ends[b]]) for a, b in joints]
+    of_line = np.concatenate([group, group[pairs[:, 0] // 2]])
+    order = np.argsort(of_line, kind="stable")
+    whole = shapely.line_merge(shapely.multilinestrings(np.array(lines)[order], indices=of_line[order]))
+    lengths = np.array([one.length for one in stretches])
+    strengths = np.bincount(group, lengths * [one.strength for one in stretches]) / np.bincount(group, lengths)
+    for line, strength in zip(whole, strengths.tolist(), strict=True):
+        points = shapely.get_coordinates(line)
+        at_junction = [at for at, place in enumerate(map(tuple, points.tolist())) if place in junctions]
+        is_ring = bool((points[0] == points[-1]).all())
+        if is_ring and at_junction:  # around, from a junction back to it
+            points = np.concatenate([points[at_junction[0] :], points[1 : at_junction[0] + 1]])
+        closed = is_ring and not at_junction
+        first, last = (tuple(end) in junctions for end in points[[0, -1]].tolist())
+        yield Contour(points[:-1] if closed else points, closed, strength, (first, last))

@@ -13,25 +13,12 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.numerics.types import JsonDict, frozen, record
+from cpm_core.numerics.types import JsonDict, frozen
 
 _SETTINGS_FILE = "settings.json"
 
-
-@record
-class ContourPiece:
-    """A contour that a chunk sees as a whole, or the piece of a longer one in a chunk.
-
-    Attributes
-    ----------
-    contour : Contour
-        In px of the image.
-    cut : tuple of two bool
-        Whether the contour continues in another chunk beyond the first and the last vertex.
-    """
-
-    contour: Contour
-    cut: tuple[bool, bool] = (False, False)
+_PLAIN_FIELDS = ("closed", "strength", "hole", "group")
+"""Fields of a contour that are stored as one value for each."""
 
 
 @frozen
@@ -72,30 +59,24 @@ class RunStore:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def pack_pieces(pieces: Sequence[ContourPiece]) -> JsonDict:
-    """Pack pieces into arrays."""
-    contours = [piece.contour for piece in pieces]
-    return {
+def pack_contours(contours: Sequence[Contour], prefix: str = "own") -> JsonDict:
+    """Pack contours into arrays whose names have a prefix."""
+    arrays = {
         "points": np.concatenate([np.empty((0, 2)), *(one.points for one in contours)]),
         "counts": np.array([len(one.points) for one in contours], np.int64),
-        "closed": np.array([one.closed for one in contours], bool),
-        "strength": np.array([one.strength for one in contours]),
         "junctions": np.array([one.junctions for one in contours], bool).reshape(-1, 2),
-        "hole": np.array([one.hole for one in contours], bool),
-        "cut": np.array([piece.cut for piece in pieces], bool).reshape(-1, 2),
+        **{name: np.array([getattr(one, name) for one in contours]) for name in _PLAIN_FIELDS},
     }
+    return {f"{prefix}_{name}": values for name, values in arrays.items()}
 
 
-def unpack_pieces(arrays: JsonDict, prefix: str = "") -> list[ContourPiece]:
-    """Unpack the pieces of arrays whose names have a prefix."""
-    known = {key.removeprefix(prefix): values for key, values in arrays.items() if key.startswith(prefix)}
-    points = np.split(known["points"], np.cumsum(known["counts"])[:-1]) if len(known["counts"]) else []
-    rows = zip(
-        points,
-        *(known[key].tolist() for key in ("closed", "strength", "junctions", "hole", "cut")),
-        strict=True,
-    )
+def unpack_contours(arrays: JsonDict, prefix: str = "own") -> list[Contour]:
+    """Unpack the contours of arrays whose names have a prefix."""
+    known = {name: arrays[f"{prefix}_{name}"] for name in ("points", "counts", "junctions", *_PLAIN_FIELDS)}
+    points = np.split(known["points"], np.cumsum(known["counts"]))
+    junctions = map(tuple, known["junctions"].tolist())
+    rows = zip(*(known[name].tolist() for name in _PLAIN_FIELDS), strict=True)
     return [
-        ContourPiece(Contour(path, closed, strength, tuple(junctions), hole=hole), tuple(cut))
-        for path, closed, strength, junctions, hole, cut in rows
+        Contour(points[n], junctions=at, **dict(zip(_PLAIN_FIELDS, row, strict=True)))
+        for n, (at, row) in enumerate(zip(junctions, rows, strict=True))
     ]

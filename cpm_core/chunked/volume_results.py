@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.chunked.grid import Chunk
-from cpm_core.chunked.results import build_label_image, build_provenance
+from cpm_core.chunked.results import build_label_image, build_provenance, write_table_parts
 from cpm_core.chunked.run import Compute
 from cpm_core.chunked.volume_surface import ChunkedBodies
 from cpm_core.formats.common.provenance import PROGRAM_NAME, describe_image_provenance, dump_provenance
@@ -17,21 +17,12 @@ from cpm_core.formats.images.resolution import ascii_unit
 from cpm_core.formats.meshes import ply
 from cpm_core.formats.meshes.coordinates import to_file_coordinates
 
-WRITABLE = {
-    ".zarr": "bodies as a label volume in levels of resolution (OME-Zarr)",
-    ".ply": "the surfaces of all bodies, with the number of its body for each triangle",
-    ".csv": "a table of bodies: volume, area, center",
-    ".parquet": "the same table for programs",
-}
-"""Descriptions of the files by suffix."""
 
-
-def write_label_volume(bodies: ChunkedBodies, path: Path, draft: Path, compute: Compute) -> str:
+def write_label_volume(bodies: ChunkedBodies, _: Path, draft: Path, compute: Compute) -> None:
     """Write a label volume in levels of resolution."""
     build_label_image(
         bodies.volume.task.source, bodies.grid, draft, partial(_paint_body_labels, bodies, draft), compute
     )
-    return str(path)
 
 
 def _paint_body_labels(bodies: ChunkedBodies, path: Path, chunk: Chunk) -> None:
@@ -43,7 +34,7 @@ def _paint_body_labels(bodies: ChunkedBodies, path: Path, chunk: Chunk) -> None:
         write_window(path, 0, chunk.core, of_part[bodies.regions.read_window(chunk.core)])
 
 
-def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> str:
+def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> None:
     """Write the surfaces of all bodies, chunk by chunk; triangles of neighboring chunks have the same corners."""
     task, grid = bodies.volume.task, bodies.grid
     levels = task.source.levels
@@ -62,7 +53,7 @@ def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compu
         while some := vertices.read(2**24):
             file.write(some)
         for chunk in grid.chunks:
-            near = [at for at in grid.find_neighbors(chunk.number) if at >= chunk.number]
+            near = [at for at in grid.find_neighbors(chunk) if at >= chunk.number]
             known = np.concatenate([names[at] for at in near])
             index = np.concatenate([firsts[at] + np.arange(len(names[at])) for at in near])
             order = np.argsort(known)
@@ -70,14 +61,10 @@ def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compu
             found = index[order][np.searchsorted(known, corners, sorter=order)]
             file.write(ply.encode_ply_triangles(found[:, ::-1], numbers))  # reversing the axes mirrors them
     draft.with_suffix(".vertices").unlink()
-    return str(path)
 
 
-def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> str:
+def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> None:
     """Write a table, with a row for each body, lengths in the unit of the volume where it has one."""
-    import pyarrow
-    from pyarrow import csv, parquet
-
     levels = bodies.volume.task.source.levels
     unit = f" [{ascii_unit(levels.unit, '')}" if levels.unit else ""
     columns = {
@@ -87,9 +74,7 @@ def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute)
     }
     for name, place, side in zip(("plane", "row", "col"), bodies.table["center"].T, levels.spacing, strict=True):
         columns[f"center_{name}{unit and unit + ']'}"] = place * side
-    table = pyarrow.table(columns)
-    (parquet.write_table if path.suffix.lower() == ".parquet" else csv.write_csv)(table, str(draft))
-    return str(path)
+    write_table_parts(path, draft, [columns])
 
 
 WRITERS = {

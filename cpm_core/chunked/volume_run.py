@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from cpm_core.chunked.chunked_contours import ChunkedTask, chunk_file_name
 from cpm_core.chunked.grid import Chunk, ChunkGrid, disturbed_margin
 from cpm_core.chunked.image_statistics import (
     ChunkEdges,
@@ -15,8 +16,9 @@ from cpm_core.chunked.image_statistics import (
     ImageStatistics,
     find_sample_spacing,
     measure_gray_ends,
+    measure_strengths,
 )
-from cpm_core.chunked.run import STATISTICS_FILE, ChunkedTask, Compute, chunk_file_name, map_chunks, sort_results
+from cpm_core.chunked.run import STATISTICS_FILE, Compute, map_chunks, sort_results
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import (
@@ -34,8 +36,8 @@ from cpm_core.image.pyramid import build_pyramid
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above
 from cpm_core.model.volume.starts import seeds_everywhere
 from cpm_core.model.volume.state import VolumeState
-from cpm_core.numerics.grids import relative_window
-from cpm_core.numerics.types import Array, Index, Single, frozen
+from cpm_core.numerics.grids import Window
+from cpm_core.numerics.types import Array, Single, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.surface.components import neighbor_distances
 from cpm_core.reconstruction.surface.local_threshold import LocalThresholds
@@ -51,6 +53,9 @@ _VOLUME_OVERLAP_MULTIPLE = 8
 
 _DISTANCE_SAMPLING = 8
 """One of this many particles contributes to the typical distance."""
+
+_NO_PARTICLES = np.empty((0, 8))
+"""Each row of particles has position, threshold, slope, and the normal away from bright."""
 
 PARTICLES_KIND = "particles"
 """Kind of the files that hold the particles of chunks."""
@@ -85,20 +90,18 @@ class ChunkedVolume:
         values = tone.scale_grays(self.task.source.read_values(chunk.padded))
         return smooth_volume(values, (tone.smoothing / self.voxel_sides).tolist())
 
-    def load_particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[LocalThresholds, Array]:
-        """Load the particles of a chunk and its neighbors within limits, each of shape (3,) [voxels].
+    def load_particles(self, chunk: Chunk, window: Window, margin: float) -> tuple[LocalThresholds, Array]:
+        """Load the particles in and around a window, in voxels of what a chunk sees.
 
         Returns the levels of N particles and unit normals, shape (N, 3), that point away from bright.
         """
-        store, names = self.task.store, ("points", "thresholds", "slopes", "normals")
-        files = (chunk_file_name(PARTICLES_KIND, at) for at in self.grid.find_neighbors(chunk.number))
-        found = [store.load(file, *names) for file in files if store.has_file(file)]
-        inside = [((one["points"] >= low) & (one["points"] <= high)).all(axis=1) for one in found]
-        points, thresholds, slopes, normals = (
-            np.concatenate([like, *(one[name][here] for one, here in zip(found, inside, strict=True))])
-            for name, like in zip(names, (np.empty((0, 3)), np.empty(0), np.empty(0), np.empty((0, 3))), strict=True)
-        )
-        return LocalThresholds(points, thresholds, slopes), normals
+        files = (chunk_file_name(PARTICLES_KIND, at) for at in self.grid.find_neighbors(chunk))
+        rows = np.concatenate([_NO_PARTICLES, *(self.task.store.load(file, "particles")["particles"]
+                                                for file in files if self.task.store.has_file(file))])  # fmt: skip
+        low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T
+        rows = rows[((rows[:, :3] >= low) & (rows[:, :3] <= high)).all(axis=1)]
+        points = rows[:, :3] - [side.start for side in chunk.padded]
+        return LocalThresholds(points, rows[:, 3].copy(), rows[:, 4].copy()), rows[:, 5:].copy()
 
 
 def run_particles(task: ChunkedTask, compute: Compute, side: int) -> tuple[ChunkedVolume, float]:
@@ -122,7 +125,7 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
         known = task.store.load(STATISTICS_FILE)
         whole = ImageStatistics.from_arrays(known, source.shape)
         return ChunkedVolume(task, _build_volume_grid(task, whole.scaling.smoothing, side), whole), known["in_core"]
-    plain = ChunkGrid(source.shape, side, 0, 0.0).chunks
+    plain = ChunkGrid(source.shape, side, 0).chunks
     ends = compute(partial(measure_gray_ends, source), plain, "gray levels")
     low, high = merge_gray_ends(found for _, found in ends).usable
     looked: dict[float, list[ChunkEdges]] = {}
@@ -152,53 +155,40 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
 def _build_volume_grid(task: ChunkedTask, smoothing: float, side: int) -> ChunkGrid:
     """Build the grid of a volume for a Gaussian of `smoothing` smallest sides of a voxel."""
     overlap = -(-disturbed_margin(smoothing) // _VOLUME_OVERLAP_MULTIPLE) * _VOLUME_OVERLAP_MULTIPLE
-    return ChunkGrid(task.source.shape, side, overlap, 0.0)
+    return ChunkGrid(task.source.shape, side, overlap)
 
 
 def _measure_chunk_edges(task: ChunkedTask, tone: GrayScaling, chunk: Chunk) -> ChunkEdges:
     """Measure the edges in the core of a chunk at each scale, after a Gaussian."""
-    pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
-    step = BACKGROUND_STRIDE * -(-find_sample_spacing(shape) // BACKGROUND_STRIDE)
-    seen = tone.scale_grays(task.source.read_values(chunk.padded))
-    for scale, values in enumerate(build_pyramid(seen, task.parameters.scales)):
-        strength = VolumeSlopes.from_volume(
-            smooth_volume(values, [tone.smoothing / side for side in pitch]), pitch
-        ).edge_strengths()
-        size = 2**scale
-        own = relative_window(chunk.core, chunk.padded)
-        core = strength[tuple(slice(-(-at.start // size), -(-at.stop // size)) for at in own)]
-        strongest.append(float(core.max(initial=0.0)))
-        some = core[tuple(slice(-(at.start // size) % step, None, step) for at in chunk.core)]
-        samples.append(some.ravel().astype(float))
-    return ChunkEdges(tuple(strongest), tuple(samples))
+    source, pitch = task.source, pitch_of(task.source.levels.spacing)
+    sigmas = [tone.smoothing / side for side in pitch]
+    return measure_strengths(
+        build_pyramid(tone.scale_grays(source.read_values(chunk.padded)), task.parameters.scales),
+        chunk.padded,
+        chunk.core,
+        BACKGROUND_STRIDE * -(-find_sample_spacing(source.shape) // BACKGROUND_STRIDE),
+        lambda values: VolumeSlopes.from_volume(smooth_volume(values, sigmas), pitch).edge_strengths(),
+    )
 
 
 def _find_chunk_particles(volume: ChunkedVolume, chunk: Chunk) -> None:
     """Run in a chunk, and store the particles that it owns."""
-    task, corner = volume.task, np.array([side.start for side in chunk.padded])
-    if task.store.has_file(chunk_file_name(PARTICLES_KIND, chunk.number)):
-        return
-    levels, normals, distances = _run_in_chunk(volume, chunk)
-    points = levels.points + corner
-    own = np.flatnonzero(volume.grid.find_chunk_numbers(points) == chunk.number) if len(points) else np.empty(0, int)
-    task.store.save(
+    particles, distances = _run_in_chunk(volume, chunk)
+    own = np.flatnonzero(volume.grid.find_chunk_numbers(particles[:, :3]) == chunk.number)
+    volume.task.store.save(
         chunk_file_name(PARTICLES_KIND, chunk.number),
-        points=points[own],
-        thresholds=levels.thresholds[own],
-        slopes=levels.slopes[own],
-        normals=normals[own],
+        particles=particles[own],
         distances=distances[own][::_DISTANCE_SAMPLING],
     )
 
 
-def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[LocalThresholds, Array, Array]:
-    """Run in what a chunk sees; return particles at rest on edges, normals away from bright, and their distances."""
+def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[Array, Array]:
+    """Run in what a chunk sees; return particles at rest on edges, as they are stored, and their distances."""
     task, whole = volume.task, volume.statistics
     source, own = task.source, whole.scaling.adjust_parameters(task.parameters)
     values = whole.scaling.scale_grays(source.read_values(chunk.padded))
-    nothing = LocalThresholds(np.empty((0, 3)), np.empty(0), np.empty(0)), np.empty((0, 3)), np.empty(0)
     if values.min() == values.max():
-        return nothing
+        return _NO_PARTICLES, np.empty(0)
     image = Image(values, source.levels.spacing, source.levels.unit, source.path.name)
 
     def impose_statistics(field: Any, scale: int, given: Parameters) -> Any:
@@ -214,7 +204,7 @@ def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[LocalThresholds,
         else pixels_above(field.edge_map, STRONG_EDGE_FRACTION, whole.strongest[0])
     )
     if not len(seeds):
-        return nothing
+        return _NO_PARTICLES, np.empty(0)
     run = Evolution(engine, engine.start(seeds), own, task.max_steps)
     for _ in run:
         pass
@@ -222,6 +212,8 @@ def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[LocalThresholds,
     assert isinstance(state, VolumeState)
     points = state.position[state.particles.on_surface]
     if not len(points):
-        return nothing
+        return _NO_PARTICLES, np.empty(0)
     levels, normals = find_local_thresholds(field.smoothed, field.edges, points, volume.voxel_sides, field.smoothing)
-    return levels, normals, neighbor_distances(levels.points * volume.voxel_sides)
+    places = levels.points + [side.start for side in chunk.padded]
+    particles = np.column_stack([places, levels.thresholds, levels.slopes, normals])
+    return particles, neighbor_distances(levels.points * volume.voxel_sides)

@@ -16,9 +16,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.chunked.chunked_contours import ChunkedTask, chunk_file_name
 from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
 from cpm_core.chunked.image_statistics import ImageStatistics
-from cpm_core.chunked.run import ChunkedTask, Compute, chunk_file_name, map_chunks
+from cpm_core.chunked.run import Compute, map_chunks
 from cpm_core.chunked.volume_run import VOLUME_CHUNK_SIDE, ChunkedVolume, run_particles
 from cpm_core.formats.images.ome_zarr import create_multiscale, write_window
 from cpm_core.formats.images.reading import Reading
@@ -41,7 +42,7 @@ from cpm_core.reconstruction.surface.components import (
     vote_on_unknown_regions,
 )
 from cpm_core.reconstruction.surface.joints import RAISED_HEIGHT, SaddleSurroundings, bridge_necks, bridge_thin_vessels
-from cpm_core.reconstruction.surface.local_threshold import LocalThresholds, VoxelBox, height_over_threshold
+from cpm_core.reconstruction.surface.local_threshold import VoxelBox, height_over_threshold
 from cpm_core.reconstruction.surface.pipeline import width_and_band
 
 _MAX_HEIGHT = np.float32(2**18)
@@ -199,16 +200,6 @@ def compute_heights(volume: ChunkedVolume, apart: float, compute: Compute) -> Ed
     return EdgeHeights(volume, apart, np.cumsum([0, *counts]), heights, -1.0 if 2 * bright > total else 1.0)
 
 
-def _load_particles_near(
-    volume: ChunkedVolume, chunk: Chunk, window: Window, margin: float
-) -> tuple[LocalThresholds, Array]:
-    """Load the particles around a window, in voxels of what a chunk sees."""
-    low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T
-    levels, normals = volume.load_particles(chunk, low, high)
-    corner = [side.start for side in chunk.padded]
-    return LocalThresholds(levels.points - corner, levels.thresholds, levels.slopes), normals
-
-
 def _compute_chunk_height(regions: _NumberedRegions, apart: float, chunk: Chunk) -> None:
     """Compute the height in a chunk, and number the regions away from particles in it and a voxel beyond; store both.
 
@@ -217,7 +208,7 @@ def _compute_chunk_height(regions: _NumberedRegions, apart: float, chunk: Chunk)
     volume = regions.volume
     beyond = _extended_core(volume, chunk)
     width, band = width_and_band(apart)
-    levels, _ = _load_particles_near(volume, chunk, beyond, max(_GAUSSIAN_REACH * width, band) + _PARTICLE_MARGIN)
+    levels, _ = volume.load_particles(chunk, beyond, max(_GAUSSIAN_REACH * width, band) + _PARTICLE_MARGIN)
     if len(levels.points):
         begin = np.array([side.start - 1 for side in relative_window(beyond, chunk.padded)])
         box = VoxelBox(begin, tuple(n + 2 for n in window_shape(beyond)))  # type: ignore[arg-type]
@@ -258,7 +249,7 @@ def find_necks(heights: EdgeHeights, compute: Compute) -> None:
 
 def _find_chunk_necks(heights: EdgeHeights, chunk: Chunk) -> None:
     volume, raised = heights.volume, [np.empty((0, 3), np.int64)]
-    levels, normals = _load_particles_near(volume, chunk, chunk.padded, 0.0)
+    levels, normals = volume.load_particles(chunk, chunk.padded, 0.0)
     if len(levels.points):
         found = heights.read_window(tuple(slice(side.start - 1, side.stop + 1) for side in chunk.padded))
         smoothed, begin = volume.smooth_chunk(chunk), np.array([-1, -1, -1])
@@ -339,16 +330,12 @@ def run_volume(task: ChunkedTask, compute: Compute, side: int = VOLUME_CHUNK_SID
     return assemble_bodies(heights, compute)
 
 
-_PAIR_SUMS = ("area", "volume", "moments", "corners", "supported", "particles")
-"""Names of what is added up for each pair of parts."""
-
-
 def assemble_bodies(heights: EdgeHeights, compute: Compute) -> ChunkedBodies:
     """Assemble the bodies of a volume from the height over its edges."""
     volume = heights.volume
     parts = _NumberedRegions(volume, _PART_ARRAY)
     parts.compute_chunks(partial(_number_chunk_parts, parts, heights), compute, "bodies")
-    known = [parts.load_chunk(chunk.number, "inside", "rim", "pairs", *_PAIR_SUMS) for chunk in volume.grid.chunks]
+    known = [parts.load_chunk(chunk.number, "inside", "rim", "pairs", "sums") for chunk in volume.grid.chunks]
     counts = np.array([len(one["inside"]) for one in known])
     first = np.cumsum([0, *counts])
     group = parts.join_regions(counts)
@@ -359,24 +346,22 @@ def assemble_bodies(heights: EdgeHeights, compute: Compute) -> ChunkedBodies:
     inside[group] = np.concatenate([one["inside"] for one in known])
     local = np.concatenate([group[one["pairs"] + start] for one, start in zip(known, first, strict=False)])
     pairs, pair = np.unique(local.reshape(-1, 2), axis=0, return_inverse=True)
-    pair = pair.ravel()
-    sums: JsonDict = {name: np.zeros((len(pairs), 3) if name == "moments" else len(pairs)) for name in _PAIR_SUMS}
-    for name, total in sums.items():
-        np.add.at(total, pair, np.concatenate([one[name] for one in known]))
-    kept = has_enough_support(sums["particles"], sums["supported"] / np.maximum(sums["corners"], 1))
+    sums = np.zeros((len(pairs), 8))
+    np.add.at(sums, pair.ravel(), np.concatenate([one["sums"] for one in known]))
+    *measures, corners, supported, particles = sums.T
+    kept = has_enough_support(particles.astype(np.int64), supported / np.maximum(corners, 1))
     body = _assign_bodies(pairs, kept, inside, outer)
     bounds = kept & (body[pairs[:, 0]] > 0)
     of = body[pairs[bounds, 0]]
-    total = np.bincount(of, sums["volume"][bounds], outer + 1)
+    area, total, *moments = (np.bincount(of, one[bounds], outer + 1) for one in measures)
     order = np.argsort(-total, kind="stable")[: len(np.unique(of))]
     number = np.zeros(outer + 1, np.int64)
     number[order] = np.arange(1, len(order) + 1)
-    center = [np.bincount(of, moment[bounds], outer + 1)[order] / total[order] for moment in sums["moments"].T]
     table = {
         "label": number[order],
         "volume": total[order],
-        "area": np.bincount(of, sums["area"][bounds], outer + 1)[order],
-        "center": np.stack(center, axis=1),
+        "area": area[order],
+        "center": np.stack([moment[order] / total[order] for moment in moments], axis=1),
     }
     return ChunkedBodies(volume, table, first, number[body[group]])
 
@@ -406,7 +391,7 @@ def _number_chunk_parts(files: _NumberedRegions, heights: EdgeHeights, chunk: Ch
     outer = tuple(slice(side.start - 1, side.stop + 1) for side in window)
     found = heights.read_window(outer)
     corner = np.array([side.start for side in outer])
-    for at in grid.find_neighbors(chunk.number):
+    for at in grid.find_neighbors(chunk):
         voxels = store.load(chunk_file_name(_NECKS_KIND, at))["raised"] - corner
         raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
         found[raised] = np.maximum(found[raised], RAISED_HEIGHT)
@@ -427,7 +412,11 @@ def _number_chunk_parts(files: _NumberedRegions, heights: EdgeHeights, chunk: Ch
 
 
 def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels: Labels, window: Window) -> JsonDict:
-    """Triangulate the surface in a chunk: triangles, the vertices that it owns, and sums for each pair of parts."""
+    """Triangulate the surface in a chunk: triangles, and the vertices that it owns.
+
+    The sums for each pair of parts, shape (N, 8), are area, volume and its moments along the axes, and the numbers of
+    vertices, of those with a particle near, and of particles.
+    """
     volume = heights.volume
     corner, sides = np.array([side.start for side in window]), np.array(volume.task.source.levels.spacing)
     vertices, faces = zero_surface(found)
@@ -443,8 +432,8 @@ def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels
     stops = [side.stop for side in chunk.core]
     own = np.flatnonzero((low + corner < stops).all(axis=1))
     own = own[np.argsort(names[own])]
-    levels, _ = _load_particles_near(
-        volume, chunk, _extended_core(volume, chunk), heights.particle_distance / volume.voxel_sides.min()
+    levels, _ = volume.load_particles(
+        chunk, _extended_core(volume, chunk), heights.particle_distance / volume.voxel_sides.min()
     )
     points = (levels.points + [side.start for side in chunk.padded]) * volume.voxel_sides
     mine = points[volume.grid.find_chunk_numbers(points / volume.voxel_sides) == chunk.number]
@@ -452,9 +441,15 @@ def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels
     if len(vertices) and len(points):
         particles = pair[scipy.spatial.KDTree(vertices * volume.voxel_sides).query(mine)[1]]
         supported = has_point_within(vertices * volume.voxel_sides, points, heights.particle_distance)
-    of_face, (a, b, c) = pair[faces[:, 0]], (vertices * sides)[faces.T]
+    of_face, (a, b, c), count = pair[faces[:, 0]], (vertices * sides)[faces.T], len(pairs)
     cross, enclosed = np.cross(b - a, c - a), np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
     moments = enclosed[:, None] * (a + b + c) / 4.0 / sides
+    sums = [
+        *(np.bincount(of_face, one, count) for one in (np.linalg.norm(cross, axis=1) / 2.0, enclosed, *moments.T)),
+        np.bincount(pair[own], minlength=count),
+        np.bincount(pair[own], supported[own], count),
+        np.bincount(particles, minlength=count),
+    ]
     return {
         "names": names[own],
         "vertices": vertices[own].astype(np.float32),
@@ -462,10 +457,5 @@ def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels
         "faces": names[faces],
         "pair_of_face": of_face,
         "pairs": pairs,
-        "area": np.bincount(of_face, np.linalg.norm(cross, axis=1) / 2.0, len(pairs)),
-        "volume": np.bincount(of_face, enclosed, len(pairs)),
-        "moments": np.stack([np.bincount(of_face, one, len(pairs)) for one in moments.T], axis=1),
-        "corners": np.bincount(pair[own], minlength=len(pairs)),
-        "supported": np.bincount(pair[own], supported[own], len(pairs)),
-        "particles": np.bincount(particles, minlength=len(pairs)),
+        "sums": np.stack(sums, axis=1),
     }

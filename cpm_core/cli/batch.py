@@ -15,7 +15,7 @@ from pathlib import Path
 
 from cpm_core.cli.arguments import add_options, add_parameter_options, parse_parameters
 from cpm_core.cli.output import EXIT_IN_PART, StatusLine, ensure_compiled, print_json, print_message, print_notes
-from cpm_core.cli.workers import BatchJob, BatchKind, BatchRow, run_locally, run_on_scheduler
+from cpm_core.cli.workers import BatchJob, BatchKind, BatchRow, NamedFiles, run_locally, run_on_scheduler
 from cpm_core.formats import (
     CONTOURS_WRITABLE,
     FORMATS_BY_NAME,
@@ -176,7 +176,7 @@ class Batch:
 
     Attributes
     ----------
-    rows : dict of Row
+    rows : dict of BatchRow
         Outcomes, by the index of the image.
     jobs : tuple of BatchJob
         Images that were left to do at the beginning.
@@ -209,17 +209,16 @@ class Batch:
         )
         self._images, self._folder, self._suffixes, self._kind = images, output, suffixes, kind
         remove_abandoned_drafts(output)
-        self._earlier = _read_rows(output / SUMMARY_NAME)
-        self.rows: dict[int, BatchRow] = {} if again else self._find_done_rows(plain)
+        known = _read_rows(output / SUMMARY_NAME)
+        self.rows: dict[int, BatchRow] = {} if again else dict(self._find_done_rows(known, plain))
+        own, used = {Path(make_printable(image)).absolute() for image in images}, set(map(id, self.rows.values()))
+        # the files of images of this batch will be replaced, and no row may outlive its files if the batch is killed
+        self._others = [row for row in known if id(row) not in used and Path(row.image).absolute() not in own]
         self.jobs = tuple(
-            BatchJob(number, replace(plain, image=image), str(Path(image).absolute()), session, parameters, max_steps,
-                suffixes, str(output.absolute()), kind)
-            for number, image in enumerate(images) if number not in self.rows
+            BatchJob(number, replace(plain, image=images[number]), str(Path(images[number]).absolute()), session,
+                parameters, max_steps, files, kind)
+            for number, files in self._name_files()
         )  # fmt: skip
-        self._stems = self._find_free_stems()
-        # their files will be replaced, and no row may outlive its files if the batch is killed
-        replaced = {name.lower() for stem in self._stems.values() for name in self._name_files(stem)}
-        self._earlier = [row for row in self._earlier if replaced.isdisjoint(name.lower() for name in row.files)]
 
     @property
     def table_names(self) -> Texts:
@@ -227,55 +226,47 @@ class Batch:
         joined = _TABLE_SUFFIXES[self._kind] in self._suffixes
         return (SUMMARY_NAME, *([_JOINED_NAMES[self._kind]] if joined else []))
 
-    def _find_done_rows(self, plain: BatchRow) -> dict[int, BatchRow]:
-        """Return rows of images that an earlier batch did in the same way and whose files still exist."""
+    def _find_done_rows(self, known: Iterable[BatchRow], plain: BatchRow) -> Iterator[tuple[int, BatchRow]]:
+        """Find the images that an earlier batch did in the same way and whose files still exist, with their rows."""
         way = attrgetter("session_sha256", "settings", "version", "trouble")
         alike: dict[tuple[str, str], list[BatchRow]] = {}
-        for row in self._earlier:
+        for row in known:
             if way(row) == way(plain) and all((self._folder / file).is_file() for file in row.files):
                 alike.setdefault((Path(row.image).name, row.image_sha256), []).append(row)
         names = {name for name, _ in alike}
-        done: dict[int, BatchRow] = {}
         for number, image in enumerate(self._images):
             name = make_printable(Path(image).name)
             if name in names and (rows := alike.get((name, try_fingerprint(Path(image))))):
-                done[number] = rows.pop(0)
-        known = set(map(id, done.values()))
-        self._earlier = [row for row in self._earlier if id(row) not in known]
-        return done
+                yield number, rows.pop(0)
 
-    def _find_free_stems(self) -> dict[int, str]:
-        """Return file names without suffix for the jobs; none belongs to another image, or is an input."""
-        own = {Path(make_printable(image)).absolute() for image in self._images}
-        others = [row for row in self._earlier if Path(row.image).absolute() not in own]
-        taken = {name.lower() for row in (*others, *self.rows.values()) for name in row.files}
-        images = {Path(image).resolve() for image in self._images}
-        stems: dict[int, str] = {}
+    def _name_files(self) -> Iterator[tuple[int, NamedFiles]]:
+        """Name the files of each image that is left to do; none belongs to another image, or is an input."""
+        folder = self._folder.resolve()
+        known = [folder / name for row in self._list_table_rows() for name in row.files]
+        taken = {str(file).lower() for file in (*known, *(Path(image).resolve() for image in self._images))}
         tried: dict[str, int] = {}
-        for job in self.jobs:
-            start = make_printable(Path(job.row.image).stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
+        for number in (number for number in range(len(self._images)) if number not in self.rows):
+            start = make_printable(Path(self._images[number]).stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
             for count in itertools.count(tried.get(start, 1)):
                 stem = start if count == 1 else f"{start}_{count}"
-                names = {name.lower() for name in self._name_files(stem)}
-                if taken.isdisjoint(names) and images.isdisjoint(
-                    (self._folder / name).resolve() for name in self._name_files(stem)
-                ):
+                files = tuple(
+                    (folder / choose_file_name(stem, self._kind, suffix), suffix) for suffix in self._suffixes
+                )
+                names = {str(file).lower() for file, _ in files}
+                if taken.isdisjoint(names):
                     break
-            stems[job.number], tried[start] = stem, count
+            tried[start] = count
             taken |= names
-        return stems
-
-    def _name_files(self, stem: str) -> Texts:
-        """Return the names of the files of an image whose names begin with a stem."""
-        return tuple(choose_file_name(stem, self._kind, suffix) for suffix in self._suffixes)
+            yield number, files
 
     def write_results(self, results: Generator[tuple[BatchJob, BatchRow]]) -> Iterator[BatchRow]:
-        """Write the files and the row of each image as it is done, and yield the row; finally sort the table."""
+        """Write the row of each image as it is done, and yield the row; finally sort the table."""
         self._write_table()
         try:
             with closing(results):
                 for job, found in results:
-                    row = self.rows[job.number] = self._write_files(found, self._stems[job.number])
+                    finished = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+                    row = self.rows[job.number] = replace(found, finished=finished)
                     append_bytes(self._folder / SUMMARY_NAME, _format_rows([row]))
                     yield row
         finally:
@@ -284,20 +275,9 @@ class Batch:
         for name in self.table_names[1:]:
             self._join_tables(name)
 
-    def _write_files(self, row: BatchRow, stem: str) -> BatchRow:
-        """Write all files of an image, or none."""
-        contents = {choose_file_name(stem, self._kind, suffix): content for suffix, content in row.contents.items()}
-        try:
-            write_together([(self._folder / name, content) for name, content in contents.items()])
-        except ValueError as trouble:
-            row, contents = replace(row, trouble=str(trouble), facts={}), {}
-        finished = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-        return replace(row, files=tuple(contents), contents={}, finished=finished)
-
     def _list_table_rows(self) -> list[BatchRow]:
-        """Return the rows of this batch in its order, after earlier ones of other images."""
-        own = {make_printable(self._images[number]) for number in self.rows}
-        return [row for row in self._earlier if row.image not in own] + [row for _, row in sorted(self.rows.items())]
+        """Return the rows of this batch, after earlier ones of other images."""
+        return [*self._others, *self.rows.values()]
 
     def _write_table(self) -> None:
         write_together(

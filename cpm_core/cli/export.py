@@ -87,16 +87,13 @@ def run_export(arguments: argparse.Namespace) -> int:
     source = Path(arguments.source)
     check_exports(arguments.to, arguments)
     suffix, wanted = source.suffix.lower(), {find_format_suffix(path) for path in arguments.to}
-    in_space = suffix in {*CENTERLINES_WRITABLE, *SURFACES_READABLE} or wanted & (
-        VOLUMES_WRITABLE.keys() - CONTOURS_WRITABLE.keys()
-    )
-    of_volumes = bool(in_space)
+    of_volumes = suffix in {*CENTERLINES_WRITABLE, *SURFACES_READABLE}
     if (
         arguments.page is None
         and suffix not in {SESSION_SUFFIX, *CONTOURS_READABLE}
         and wanted <= VOLUMES_WRITABLE.keys()
     ):
-        of_volumes = of_volumes or holds_volume(source)  # labels, for labels
+        of_volumes = of_volumes or holds_volume(source)  # labels, for labels or surfaces
     if arguments.page is not None and (suffix == SESSION_SUFFIX or of_volumes):
         raise ValueError(f"--page is for contours in a stack, but {source.name} holds none: leave it out.")
     result: Result | Centerlines

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.chunked import grid, results, volume_results
-from cpm_core.chunked.run import ChunkedTask, run_chunks
+from cpm_core.chunked.chunked_contours import ChunkedTask
+from cpm_core.chunked.run import run_chunks
 from cpm_core.chunked.store import RunStore
 from cpm_core.chunked.volume_surface import run_volume
 from cpm_core.cli.output import OutputFiles, StatusLine, ensure_compiled, print_notes, print_report

@@ -152,7 +152,7 @@ def print_report(
     return EXIT_IN_PART if files.refused else 0
 
 
-def collect_run_facts(result: Result, seconds: float) -> dict[str, object]:
+def collect_run_facts(result: Result) -> dict[str, object]:
     """Return values of a run by name, as they are printed as JSON."""
     return {
         "particles": len(result.particles),
@@ -161,7 +161,6 @@ def collect_run_facts(result: Result, seconds: float) -> dict[str, object]:
         "steps": result.steps,
         "converged": result.converged,
         "stop_reason": result.stop_reason,
-        "seconds": round(seconds, 3),
     }
 
 

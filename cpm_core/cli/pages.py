@@ -114,8 +114,7 @@ def _print_page_report(as_json: bool, found: StackResult, files: OutputFiles, se
     for page in found.pages:
         facts: JsonDict = {}
         if page.result is not None:
-            facts = collect_run_facts(page.result, 0.0)
-            del facts["seconds"]  # the time of one page is not known
+            facts = collect_run_facts(page.result)
             lines.append(f"page {page.number}: {describe_contour_count(page.result)}")
         events = [event.sentence for event in page.events]
         said += events

@@ -54,11 +54,13 @@ from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, ImageFile, sa
 from cpm_core.formats.sessions.session_run import segment_shapes
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
-from cpm_core.objects import Partition, Selection, VolumePartition
+from cpm_core.objects import Selection
+from cpm_core.objects.volume_partition import VolumeSelection
 from cpm_core.parameters.formatting import format_count, format_size
-from cpm_core.results import replace_by_objects
+from cpm_core.results import FoundObjects, replace_by_objects
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import find_seeded_methods
+from cpm_core.segmentation.select import partition
 from cpm_core.shapes import SEEDING_KINDS
 
 _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
@@ -177,20 +179,9 @@ def _run_image(request: RunRequest) -> int:
             progress=record_state,
             regions=request.volume_regions,
         )
-    made = record_drawn_shapes(found, request.collect_drawn_shapes(image), request.describe_start_files())
-    chosen: Sequence[Selection] = ()
-    if request.is_volume:
-        result, shown = made, _select_bodies(made, request)
-    else:
-        result = shown = made
-        if request.positive_points:
-            chosen = (Partition.from_result(result).select(request.positive_points, request.negative_points),)
-            if not chosen[0].mask.any():
-                raise ValueError("There is no object at this position: name another one inside it.")
-        elif request.all_objects:
-            chosen = tuple(one for one in result.objects if isinstance(one, Selection))
-        if request.positive_points or request.all_objects:
-            shown = replace_by_objects(result, chosen, request.session.objects)
+    result = record_drawn_shapes(found, request.collect_drawn_shapes(image), request.describe_start_files())
+    chosen = _select_objects(result, request)
+    shown = result if chosen is None else replace_by_objects(result, chosen, session.objects)
     seconds = time.perf_counter() - started
     files = OutputFiles()
     files.export_result(
@@ -214,9 +205,10 @@ def _run_image(request: RunRequest) -> int:
         with files.record_writing(request.session_file):
             save_session(add_recorded_run(whole, recorder), Path(request.session_file))
     if request.is_volume:
-        facts, lines = _describe_surface(made, shown, seconds)
+        facts, lines = _describe_surface(result, shown, seconds)
     else:
-        facts, lines = _describe_contours(result, chosen, seconds)
+        objects = [one for one in chosen or () if isinstance(one, Selection)]
+        facts, lines = _describe_contours(result, objects, seconds)
         written = [path for path in files.written if path in request.exports]
         facts["left_out"] = {path: count_left_out(shown, find_format_suffix(path)) for path in written}
     if truth is not None:
@@ -226,22 +218,25 @@ def _run_image(request: RunRequest) -> int:
     return print_report("run", request.as_json, facts, lines, files, advice)
 
 
-def _select_bodies(found: Result, request: RunRequest) -> Result:
-    """Restrict the surface of a result to the objects of the run, or to the bodies with the positive points, if any."""
+def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:
+    """Select the objects of a run, or the one with the positive points; None where contours or a surface are wanted."""
     if request.all_objects:
-        return replace_by_objects(found, found.objects, request.session.objects)
+        return result.objects
     if not request.positive_points:
-        return found
-    chosen = VolumePartition.from_result(found).select(request.positive_points, request.negative_points)
-    if chosen.body is not None or not chosen.has_boundary:
+        return None
+    chosen = partition(result).select(request.positive_points, request.negative_points)
+    if isinstance(chosen, VolumeSelection) and (chosen.body is not None or not chosen.has_boundary):
         raise ValueError("There is no object at this position: name one that the surface encloses.")
-    return replace(found, surface=chosen.surface)
+    if isinstance(chosen, Selection) and not chosen.mask.any():
+        raise ValueError("There is no object at this position: name another one inside it.")
+    return (chosen,)
 
 
 def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[JsonDict, list[str]]:
     """Describe contours, as values by name and as sentences."""
     facts: JsonDict = {
-        **collect_run_facts(result, seconds),
+        **collect_run_facts(result),
+        "seconds": round(seconds, 3),
         "faces": len(result.faces),
         "bridges": len(result.bridges),
         PROVENANCE_KEY: describe_provenance(result),
@@ -282,7 +277,8 @@ def _describe_surface(result: Result, shown: Result, seconds: float) -> tuple[Js
     surface = shown.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts: JsonDict = {
-        **collect_run_facts(result, seconds),
+        **collect_run_facts(result),
+        "seconds": round(seconds, 3),
         "vertices": vertices,
         "faces": faces,
         "volume": round(surface.volume, 3) if surface is not None and surface.closed else None,

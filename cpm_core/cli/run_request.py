@@ -336,7 +336,7 @@ def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Pa
         raise ValueError("--edges vessels looks at the whole image at once: use gradient, or a smaller image.")
     if parameters.reach < UNLIMITED_REACH:
         raise ValueError("--reach is for a start that is drawn: leave it out.")
-    writable = volume_results.WRITABLE if is_volume else results.WRITABLE
+    writable = volume_results.WRITERS if is_volume else results.WRITERS
     if not arguments.export:
         raise ValueError(f"--export is missing: name files that end in {', '.join(writable)}.")
     for target in arguments.export:

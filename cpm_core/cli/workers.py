@@ -16,11 +16,12 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import field, replace
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, Literal
 
 from cpm_core.cli.inputs import fit_scales_to_image, list_image_notes
 from cpm_core.cli.output import collect_run_facts
-from cpm_core.formats import describe_omissions, set_relative_source, to_bytes
+from cpm_core.formats import encode_files
+from cpm_core.formats.common.atomic import write_together
 from cpm_core.formats.common.content import missing_package_message, try_fingerprint
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.sessions.session_file import SessionFile
@@ -29,7 +30,6 @@ from cpm_core.numerics.parallel import count_cores, limit_cores
 from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.results import is_likely, replace_by_objects
-from cpm_core.results.result import Result
 from cpm_core.warm_up import is_compiled, warm_up
 
 _LOG = logging.getLogger(__name__)
@@ -43,6 +43,9 @@ _PROCESS_DIED = "The process that worked on it ended unexpectedly; perhaps there
 
 BatchKind = Literal["objects", "contours"]
 """What is written of each image."""
+
+NamedFiles = tuple[tuple[Path, str], ...]
+"""Files to write, each with the suffix of its format."""
 
 
 @frozen
@@ -69,8 +72,6 @@ class BatchRow:
         Version of the program.
     finished : str
         When it was finished, in UTC.
-    contents : dict of bytes
-        Contents of files that are still to be written, by suffix.
     """
 
     image: str
@@ -83,7 +84,6 @@ class BatchRow:
     settings: str = ""
     version: str = VERSION
     finished: str = ""
-    contents: dict[str, bytes] = field(default_factory=dict)
 
     @property
     def found(self) -> int:
@@ -101,26 +101,33 @@ class BatchJob:
     session: SessionFile  # start, regions and charges
     parameters: Parameters
     max_steps: int | None
-    suffixes: Texts  # formats to write
-    folder: str  # where they are written
+    files: NamedFiles
     kind: BatchKind = "objects"
 
 
 def run_job(job: BatchJob) -> BatchRow:
-    """Find the objects of one image, or its contours; files are only encoded here, and the batch writes them."""
+    """Find the objects of one image, or its contours, and write all files that can hold them, or none."""
     try:
         began = time.perf_counter()
         image = load_session_image(job.path, job.session)
         parameters, small = fit_scales_to_image(job.parameters, image)
         shown = result = run(image, job.session, parameters, job.max_steps)
-        facts = collect_run_facts(result, 0.0)
+        facts = collect_run_facts(result)
         if job.kind == "objects":
             facts["objects"], facts["likely"] = len(result.objects), sum(map(is_likely, result.objects))
             shown = replace_by_objects(result, result.objects, job.session.objects)
         facts["seconds"] = round(time.perf_counter() - began, 3)
-        contents, omitted = _encode_files(shown, job) if facts.get("objects", 1) else ({}, ())
-        notes = (*list_image_notes(image, parameters), *small, *omitted)
-        return replace(job.row, facts=facts, contents=contents, notes=notes, image_sha256=image.sha256)
+        notes, suffixes = [*list_image_notes(image, parameters), *small], dict(job.files)
+        contents = encode_files(
+            shown,
+            job.files if facts.get("objects", 1) else (),
+            image=job.path,
+            warn=lambda _, sentence: notes.append(sentence),
+            refused=lambda file, reason: notes.append(f"{suffixes[file]} was not written: {reason}"),
+        )
+        write_together(contents)
+        files = tuple(file.name for file, _ in contents if file in suffixes)
+        return replace(job.row, facts=facts, files=files, notes=tuple(notes), image_sha256=image.sha256)
     except Exception as error:  # a defect must not stop the other images
         reason = str(error)
         if isinstance(error, MemoryError):
@@ -129,24 +136,6 @@ def run_job(job: BatchJob) -> BatchRow:
             _LOG.info("an unexpected error", exc_info=error)
             reason = f"Something unexpected happened: {type(error).__name__}: {error}."
         return replace(job.row, trouble=reason, image_sha256=try_fingerprint(Path(job.path)))
-
-
-def _encode_files(result: Result, job: BatchJob) -> tuple[dict[str, bytes], Texts]:
-    """Encode the files of a result by suffix, and note which hold less or fail; ValueError when all fail."""
-    files: dict[str, bytes] = {}
-    notes: list[str] = []
-    for suffix in job.suffixes:
-        try:
-            named = result
-            if suffix == ".labelme.json":  # which opens its image
-                named = cast("Result", set_relative_source(result, Path(job.folder) / suffix, Path(job.path)))
-            files[suffix] = to_bytes(named, suffix, image=job.path)
-            notes += filter(None, [describe_omissions(result, suffix)])
-        except ValueError as error:
-            if suffix == job.suffixes[-1] and not files:
-                raise
-            notes.append(f"{suffix} was not written: {error}")
-    return files, tuple(notes)
 
 
 def run_locally(

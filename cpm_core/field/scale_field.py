@@ -277,25 +277,35 @@ def build_scale_field(
     if regions is not None and regions.interest:
         inside &= regions.pixel_mask(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
-    everywhere, charged = bool(inside.all()), strength
-    if edge_floor > 0.0 or not everywhere:
-        charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
-    if not everywhere:
-        strength[~dilate_by_distance(inside, _KEPT_BEYOND_INTEREST)] = 0.0
-    return ScaleField(
-        cache(partial(pack_force, exponent, charged, slopes, strength, WEAKEST_EDGE * strongest, not everywhere)),
+    field = ScaleField(
+        partial(pack_force, exponent, strength, slopes, strength, 0.0, False),
         slopes,
         strength,
         values,
         strongest,
-        WEAKEST_EDGE * strongest,
-        charged,
-        weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor),
+        0.0,
+        strength,
+        weakest_edge(strength if inside.all() else strength[inside], strongest, edge_floor),
         smoothing,
         exponent,
         barrier_map,
-        cut=not everywhere,
     )
+    return charge_edges(field, inside, edge_floor)
+
+
+def charge_edges(field: ScaleField, inside: Mask, edge_floor: float) -> ScaleField:
+    r"""Place the fixed charges of a field, by its largest edge strength, on edges `inside`, shape (\*shape).
+
+    Edges farther outside are cut from the edge map. `edge_floor` is that of `build_scale_field`.
+    """
+    cut, strength, holding = not inside.all(), field.edge_map, WEAKEST_EDGE * field.strongest
+    charged, nothing = strength, strength.dtype.type(0)
+    if edge_floor > 0.0 or cut:
+        charged = np.where(inside & (strength >= edge_floor * field.strongest), strength, nothing)
+    if cut:
+        strength = np.where(dilate_by_distance(inside, _KEPT_BEYOND_INTEREST), strength, nothing)
+    force = cache(partial(pack_force, field.exponent, charged, field.slopes, strength, holding, cut))
+    return replace(field, force=force, holding=holding, edge_map=strength, fixed_charges=charged, cut=cut)
 
 
 def gradient_provider(values: Array, smoothing: float) -> WindowGradient:

@@ -91,8 +91,8 @@ from cpm_core.formats.writers import VOLUMES_WRITABLE as VOLUMES_WRITABLE
 from cpm_core.formats.writers import check_export as check_export
 from cpm_core.formats.writers import choose_file_name as choose_file_name
 from cpm_core.formats.writers import count_left_out as count_left_out
-from cpm_core.formats.writers import describe_omissions as describe_omissions
 from cpm_core.formats.writers import encode_descriptions as encode_descriptions
+from cpm_core.formats.writers import encode_files as encode_files
 from cpm_core.formats.writers import export as export
 from cpm_core.formats.writers import find_format_suffix as find_format_suffix
 from cpm_core.formats.writers import find_named_suffix as find_named_suffix

@@ -267,27 +267,44 @@ def export(
     >>> cpm.export(cpm.partition(result).select([(32, 32)]), "disk.geojson")
     >>> cpm.export(result.labels + 4 * (result.labels > 0), "five.nii.gz", image=result.image)
     """
-    files, contents = list(map(Path, paths)), []
+    files = list(map(Path, paths))
     for file in files:
         check_export(file)
+    named = [(file, find_format_suffix(file)) for file in files]
+    options: JsonDict = {"outlines": outlines, "image": image, "space": space, "refused": refused}
+    write_together(encode_files(result, named, warn=lambda file, sentence: warn(f"{file}: {sentence}"), **options))
+
+
+def encode_files(
+    result: Exportable,
+    files: Sequence[tuple[Path, str]],
+    *,
+    warn: Callable[[Path, str], object],
+    outlines: bool = False,
+    image: AnyPath | Image | None = None,
+    space: Convention = "LPS",
+    refused: Callable[[Path, str], object] | None = None,
+) -> list[tuple[Path, bytes]]:
+    """Encode files, each given with the suffix of its format, as `export` does; those that are refused are left out."""
+    contents: list[tuple[Path, bytes]] = []
     found, path = as_result(result, image if isinstance(image, Image) else None), _path_of(image)
-    for file in files:
+    for file, suffix in files:
         written = found
-        if find_format_suffix(file) == ".labelme.json" and path is not None and not isinstance(found, Centerlines):
+        if suffix == ".labelme.json" and path is not None and not isinstance(found, Centerlines):
             written = labelme.set_relative_source(found, file, path)
         try:
-            _check_extent(result, image, find_format_suffix(file))
-            content = to_bytes(written, find_format_suffix(file), outlines=outlines, space=space, image=path)
+            _check_extent(result, image, suffix)
+            content = to_bytes(written, suffix, outlines=outlines, space=space, image=path)
             contents += [(file, content), *encode_descriptions(found, file, outlines=outlines)]
         except ValueError as error:
-            if refused is None or (file is files[-1] and not contents):
+            if refused is None or (file is files[-1][0] and not contents):
                 raise
             refused(file, str(error))
-    for file, _ in contents:
+            continue
         labels = isinstance(result, np.ndarray)  # of which nothing is left out
-        if not labels and (missing := describe_omissions(found, find_format_suffix(file), outlines=outlines)):
-            warn(f"{file}: {missing}")
-    write_together(contents)
+        if not labels and (missing := describe_omissions(found, suffix, outlines=outlines)):
+            warn(file, missing)
+    return contents
 
 
 def _path_of(image: AnyPath | Image | None) -> Path | None:

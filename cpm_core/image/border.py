@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import Window, expand_window, relative_window, split_into_tiles
+from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Mask
 
 _MIN_BORDER_STRENGTH = 0.1
@@ -25,9 +25,6 @@ _MAX_BORDER_DEVIATION = 0.02
 
 _MIN_VISIBLE_SHARE = 0.5
 """Fraction of a side along which its edge must be visible."""
-
-_DISTANCE_TILE = 512
-"""Side of the tiles in which distances are measured [px]."""
 
 _FLANK_WIDTH = 3.0
 """Width of an edge's flank, in sigma."""
@@ -78,10 +75,5 @@ def _find_border_edge(edge: Array, stray: int) -> int:
 
 def dilate_by_distance(inside: Mask, reach: int) -> Mask:
     r"""Pixels whose centers are at most `reach` px from the center of a pixel of the mask `inside`, shape (\*shape)."""
-    found = inside.copy()
-    for tile in split_into_tiles(inside.shape, _DISTANCE_TILE):
-        outer = expand_window(tile, reach, inside.shape)
-        if inside[outer].any() and not inside[tile].all():
-            near = scipy.ndimage.distance_transform_edt(~inside[outer]) <= reach
-            found[tile] = near[relative_window(tile, outer)]
-    return found
+    offsets = np.indices((2 * reach + 1,) * inside.ndim) - reach
+    return scipy.ndimage.binary_dilation(inside, (offsets**2).sum(axis=0) <= reach**2)

@@ -6,7 +6,6 @@ import numpy as np
 import skimage
 
 from cpm_core.numerics.grids import run_in_bands
-from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Numbers, Pixels, Texts, record
 from cpm_core.parameters.choices import CHOICE_PARAMETERS, check_choice
 from cpm_core.parameters.formatting import quote_value
@@ -129,11 +128,8 @@ def reduce_to_gray(samples: Numbers, alpha: Numbers | None = None, white: float 
     if alike and opaque:
         return samples[..., 0], None, tuple(said)
     gray = np.empty(shape)
-    if opaque and samples.dtype == np.uint8:
-        run_in_bands(lambda first, end: _weigh_bytes(samples[first:end], LUMINANCE_WEIGHTS, gray[first:end]), shape[0])
-        gray.flags.writeable = False  # an image takes them over
-        return gray, Colors(samples, white), tuple(said)
-    colors = None if alike else Colors(np.empty((*shape, count), np.uint8), white)
+    in_bytes = opaque and samples.dtype == np.uint8  # these are the colors
+    colors = None if alike else Colors(samples if in_bytes else np.empty((*shape, count), np.uint8), white)
 
     def reduce_rows(first: int, end: int) -> None:  # without more images of eight bytes a sample
         line = samples[first:end]
@@ -141,21 +137,13 @@ def reduce_to_gray(samples: Numbers, alpha: Numbers | None = None, white: float 
             opacity = alpha[first:end, :, None] / full_scale(alpha)
             line = line * opacity + white * (1.0 - opacity)
         gray[first:end] = line[..., 0] if colors is None else compute_luminance(line)
-        if colors is not None:
+        if colors is not None and not in_bytes:
             shares = np.asarray(np.clip(line, 0.0, white), float) / white
             colors.samples[first:end] = np.rint(np.nan_to_num(255.0 * shares))
 
     run_in_bands(reduce_rows, shape[0])
+    gray.flags.writeable = False  # an image takes them over
     return gray, colors, tuple(said)
-
-
-@compiled
-def _weigh_bytes(samples: Pixels, weights: tuple[float, float, float], gray: Array) -> None:
-    """Compute the luminance of bytes, in the order of `compute_luminance`."""
-    for row in range(samples.shape[0]):
-        for col in range(samples.shape[1]):
-            red, green, blue = samples[row, col, 0], samples[row, col, 1], samples[row, col, 2]
-            gray[row, col] = weights[0] * red + weights[1] * green + weights[2] * blue
 
 
 def compute_luminance(channels: Numbers) -> Array:
@@ -167,16 +155,7 @@ def compute_luminance(channels: Numbers) -> Array:
 
 
 def gray_from_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Array, str]:
-    """Compute gray levels, shape (H, W), by one of `COLOR_CHOICES`, and a sentence that states it.
-
-    Raises
-    ------
-    ValueError
-        When there is no such choice.
-    """
-    check_color_choice(color)
-    if color == LUMINANCE_CHOICE:
-        return luminance, LUMINANCE_NOTE
+    """Compute gray levels, shape (H, W), by another one of `COLOR_CHOICES` than luminance, and say so in a sentence."""
     varies = ""
     if color == CONTRAST_CHOICE:
         spread = [float(colors.samples[..., place].std(dtype=np.float64)) for place in range(len(_PRIMARY_COLORS))]

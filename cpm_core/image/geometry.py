@@ -160,15 +160,10 @@ class Geometry:
 
         Each axis gets another one. Where two axes are nearest to the same direction, the nearer one gets it.
         """
-        flip = _LPS_TO_RAS if self.convention == "RAS" else np.ones(3)
-        left, _, right = np.linalg.svd((np.array(self.directions) * flip)[::-1])
-        upright = left @ right  # the nearest axes at right angles
-        found = ["", "", ""]
-        for axis in np.argsort(-np.max(upright**2, axis=1), kind="stable"):
-            end = np.abs(upright[axis]).argmax()
-            found[2 - axis] = _PATIENT_DIRECTIONS[end][int(upright[axis, end] < 0.0)]
-            upright[:, end] = 0.0
-        return found[0], found[1], found[2]
+        from nibabel.orientations import aff2axcodes  # noqa: PLC0415 - needed where an image has a place only
+
+        plane, row, col = aff2axcodes(self.affine((1.0, 1.0, 1.0), "RAS"))
+        return plane, row, col
 
     @property
     def ends(self) -> tuple[tuple[str, str], tuple[str, str], tuple[str, str]]:

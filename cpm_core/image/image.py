@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from dataclasses import InitVar, replace
+from dataclasses import InitVar
 from functools import cached_property
 from typing import Any
 
@@ -26,7 +26,7 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import NO_DATA_VALUE, make_usable
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
-from cpm_core.numerics.types import Array, Extent, Mask, Numbers, Sides, Texts, record
+from cpm_core.numerics.types import Array, Extent, Mask, Numbers, Sides, Texts, copy_with, record
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
 MINIMUM_SIDE = 8
@@ -81,8 +81,6 @@ class Image(drawing.Pictured):
         How gray levels are made of color, as in `load_image`: brightness to the eye, one of its channels, or
         the channel whose gray levels vary the most. With the luminance the image keeps its colors, so that
         `Parameters.channel` can choose another one for a run.
-    checked : bool, optional
-        Whether all this has been checked, as what is taken from another image: it is then kept as it is.
 
     Raises
     ------
@@ -128,11 +126,8 @@ class Image(drawing.Pictured):
     color: InitVar[str] = LUMINANCE_CHOICE
     hounsfield: bool | None = None
     finer: tuple[Any, ...] = ()
-    checked: InitVar[bool] = False
 
-    def __post_init__(self, color: str, checked: bool) -> None:
-        if checked:
-            return
+    def __post_init__(self, color: str) -> None:
         check_color_choice(color)
         given, mask = np.asarray(self.stored), np.ma.getmask(self.stored)
         colors, notes = self.colors, self.notes
@@ -236,12 +231,13 @@ class Image(drawing.Pictured):
         sizes = _check_spacing(self.source, spacing, self.ndim)
         geometry = None if self.geometry is None else self.geometry.scaled(factor)
         # integers are converted once for both images
-        return replace(self, stored=self.values, spacing=sizes, unit=unit, geometry=geometry, checked=True)
+        return copy_with(self, values=self.values, spacing=sizes, unit=unit, geometry=geometry)
 
     def slice_across(self, axis: int, index: int) -> Image:
         """Return a slice of a volume across an axis, as an image that shares the gray levels without another check."""
         sides = tuple(side for other, side in enumerate(self.spacing) if other != axis)
-        return Image(self.values[(slice(None),) * axis + (index,)], sides, self.unit, self.source, checked=True)
+        plane = self.values[(slice(None),) * axis + (index,)]
+        return copy_with(object.__new__(Image), stored=plane, spacing=sides, unit=self.unit, source=self.source)
 
     @property
     def shape(self) -> Extent:

@@ -14,7 +14,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cached_property, lru_cache
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -324,15 +323,9 @@ class VolumeRegions:
 
     def allows(self, points: Array) -> Mask:
         """Return whether a particle may be at points, shape (N, 3) [voxels]: in a region of interest, off barriers."""
-        allowed = np.ones(len(points), bool)
-        last = np.maximum(np.rint(points.max(axis=0, initial=0.0)), 0.0).astype(np.int64) + 1
-        closed = self.build_walls(tuple((last + 1).tolist())).closed
-        for corner in product(
-            (-WALL_CONTACT_DISTANCE, WALL_CONTACT_DISTANCE), repeat=3
-        ):  # on the faces between two voxels it must be allowed in both
-            voxels = np.clip(np.rint(points + corner).astype(np.int64), 0, last)
-            allowed &= ~closed[tuple(voxels.T)]
-        return allowed
+        places = np.maximum(points, 0.0)
+        shape = np.rint(places.max(axis=0, initial=0.0)).astype(np.int64) + 2
+        return ~self.build_walls(tuple(shape.tolist())).is_crossed_by(places, places)
 
     def voxel_mask(self, shape: Extent) -> Mask | None:
         """Mark the voxels of interest of a volume of this shape; None when all of them are."""

@@ -83,7 +83,13 @@ def find_objects_everywhere(partition: Partition, check: Callback = lambda: None
         for mask in partition.find_unambiguous_objects():
             yield build_proposal(partition, mask, ConfidenceFeatures(point_count=0), unambiguous=True)
         return
-    for found in find_image_objects(ImageParts.from_partition(partition), check):
+    yield from find_objects_in_parts(ImageParts.from_partition(partition), check)
+
+
+def find_objects_in_parts(parts: ImageParts, check: Callback = lambda: None) -> Iterator[Selection]:
+    """Find all objects of an image that is divided into parts, by the network."""
+    partition = parts.partition
+    for found in find_image_objects(parts, check):
         features = ConfidenceFeatures(*found.prediction[2:], point_count=0)
         mask = found.region.paste(partition.shape)
         one = build_proposal(partition, mask, features, unambiguous=found.region.unambiguous)

@@ -86,7 +86,7 @@ def follow_pages(
             raise ValueError(f"page is {quote_value(number)}, but there are {count} pages: choose 1 to {count}.")
 
     def iterate_pages() -> Iterator[Page]:
-        follower = ContourFollower()
+        follower = PageFollower()
         for number in wanted:
             try:
                 image = as_plane(pages[number - 1])
@@ -109,8 +109,8 @@ def _is_sequence(given: object) -> TypeGuard[Sequence[Any]]:
     return isinstance(given, Sequence) or (isinstance(given, np.ndarray) and given.ndim > 0)
 
 
-class ContourFollower:
-    """Follows objects from page to page: where the next page starts, and which tracks its contours belong to."""
+class PageFollower:
+    """Follows what is found from page to page: its tracks, and where the next page starts."""
 
     def __init__(self, known: Sequence[Page] = ()) -> None:
         """Continue after the pages `known`, which have been followed before."""
@@ -124,9 +124,16 @@ class ContourFollower:
         return starts_from_contours(self._last)
 
     def add_page(self, number: int, found: Result) -> Page:
-        """Add the next page, with what was found on it; the numbers of its contours are their tracks."""
+        """Add the next page, with what was found on it; the numbers of its contours are their tracks.
+
+        Objects, whose contours have their number as the group, keep it, and are followed by their outer contours.
+        """
         light = strip_image(found)
-        contours, events = self._tracker.assign_tracks(number, light.contours, light.shape)
+        objects = {one.group: one for one in sorted(light.contours, key=lambda one: one.area) if one.group}
+        followed = tuple(objects.values()) or light.contours
+        contours, events = self._tracker.assign_tracks(number, followed, light.shape)
+        if objects:
+            contours = tuple(replace(one, number=one.group) for one in light.contours)
         self._last = contours or self._last
         return Page(number, replace(light, contours=contours), events)
 

@@ -16,13 +16,12 @@ import skimage
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.measurements import compute_centroid
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
 from cpm_core.objects import Partition, Selection, compute_iou
-from cpm_core.pages.follow import describe_error
-from cpm_core.pages.page import Page, strip_image
+from cpm_core.pages.follow import PageFollower, describe_error
+from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import MIN_PART_FRACTION, MIN_TRACK_OVERLAP, Tracker, TrackEvent, find_origins
 from cpm_core.results import objects_result
 from cpm_core.results.result import Result
@@ -153,7 +152,7 @@ def follow_objects(
     Page
         Each page as soon as it is done; a page that cannot be used, or without the object, has an error message.
     """
-    follower, objects = ObjectFollower(), dict[int, Selection]()
+    follower, followed, objects = ObjectFollower(), PageFollower(), dict[int, Selection]()
     for number in numbers:
         try:
             image = pages[number - 1]
@@ -161,46 +160,20 @@ def follow_objects(
         except (ValueError, MemoryError) as error:
             yield Page(number, None, error=describe_error(error))
             continue
-        events: tuple[TrackEvent, ...] = ()
         if objects:
-            found, events = follower.find_on_page(number, part)
+            found, _ = follower.find_on_page(number, part)
             objects = {one.number: one.selection for one in found}
         else:
             chosen = part.select(inside, outside)
             objects = {1: chosen} if chosen.has_boundary else {}
         if not objects:
-            yield Page(number, None, events, "There is no object at this position.")
+            yield Page(number, None, error="There is no object at this position.")
             return
         follower.remember_page(part.values, objects)
         made = objects_result(list(objects.values()), image, [f"object {each}" for each in objects], part.channel)
         own = [0, *objects]
-        contours = tuple(replace(one, number=own[one.group], group=own[one.group]) for one in made.contours)
-        yield Page(number, strip_image(replace(made, contours=contours)), events)
-
-
-def pages_from_results(found: Mapping[int, Result]) -> tuple[Page, ...]:
-    """Build the pages of accepted objects by number, with what happens to the objects from page to page.
-
-    The contours of an object have its number as their group; an object is looked for where it would be at its speed.
-    """
-    pages: list[Page] = []
-    before: dict[int, Contour] = {}
-    speeds: dict[int, Array] = {}
-    tracks = 0
-    for number, result in sorted(found.items()):
-        contours = tuple(replace(one, number=one.group) for one in result.contours)
-        outer = {one.number: one for one in sorted(contours, key=lambda one: one.area)}
-        tracker = Tracker(
-            [replace(one, points=one.points + speeds.get(each, 0.0)) for each, one in before.items()], tracks
-        )
-        _, events = tracker.assign_tracks(number, tuple(outer.values()), result.shape, keep=True)
-        speeds = {
-            each: np.subtract(compute_centroid(outer[each]), compute_centroid(before[each]))
-            for each in outer.keys() & before.keys()
-        }
-        before, tracks = outer, max(tracks, *outer)
-        pages.append(Page(number, strip_image(replace(result, contours=contours)), events))
-    return tuple(pages)
+        contours = tuple(replace(one, group=own[one.group]) for one in made.contours)
+        yield followed.add_page(number, replace(made, contours=contours))
 
 
 class _SoughtObject:

@@ -1,23 +1,22 @@
 """Tracks: contours on one page after the other that bound the same object.
 
-Contours are matched to tracks by their largest overlaps, measured by the Dice coefficient, 0 to 1. Closed contours are
-compared by the areas that they alone enclose, as in the label mask; open ones by the areas between them and the line
-that joins their ends, or by the length along which they run next to each other.
+Contours are matched to tracks by their largest overlaps, measured by the Dice coefficient, 0 to 1, of the areas that
+they alone enclose, as in the label mask; an open one encloses what lies between it and the line that joins its ends.
+Objects keep their numbers, and are looked for where they would be at their last speed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Contours, build_path_tree
-from cpm_core.contours.measurements import containment
+from cpm_core.contours.contour import Contour, Contours
+from cpm_core.contours.measurements import compute_centroid, containment
 from cpm_core.contours.rasterize import rasterize_labels
-from cpm_core.numerics.polyline import repeat_indices, sample_path
-from cpm_core.numerics.types import Array, Extent, Index, Integers, frozen
+from cpm_core.numerics.types import Array, Extent, Index, Integers, Position, frozen
 from cpm_core.parameters.formatting import format_repr
 
 MIN_TRACK_OVERLAP = 0.2
@@ -25,12 +24,6 @@ MIN_TRACK_OVERLAP = 0.2
 
 MIN_PART_FRACTION = 0.5
 """Least share of an area that lies in another for it to be a part of that one."""
-
-_LINE_TOLERANCE = 6.0
-"""Distance up to which one line runs along another [px]."""
-
-_TRACK_SAMPLING = 1.0
-"""Distance between the samples of lines that are compared [px]."""
 
 _BORDER_TOLERANCE = 3.0
 """Distance from the border of the image up to which a contour touches it [px]."""
@@ -93,52 +86,46 @@ def find_origins(events: Iterable[TrackEvent]) -> dict[int, int]:
     return {other: event.track for event in events if event.kind == "splits" for other in event.others}
 
 
-class TrackOverlaps(NamedTuple):
-    """Overlaps of the contours of one page with the contours of another, each of shape (N, M).
-
-    `dice` decides which contours belong to one track; `part_fraction` is the share of the smaller area that lies in the
-    other, 0 for open contours.
-    """
-
-    dice: Array
-    part_fraction: Array
-
-
 class Tracker:
     """Numbers the contours of one page after the other by their tracks."""
 
     def __init__(self, contours: Contours = (), tracks: int = 0) -> None:
         """Start from the contours of the page before, numbered by their tracks, and the number of known tracks."""
         self._before = tuple(contours)
+        self._centers: dict[int, Position] = {}
         self._tracks = tracks
         self._begun = tracks > 0
 
     def assign_tracks(
-        self, page: int, contours: Contours, shape: Extent, *, keep: bool = False
+        self, page: int, contours: Contours, shape: Extent
     ) -> tuple[tuple[Contour, ...], tuple[TrackEvent, ...]]:
         """Give the contours of a page of this shape [px] their tracks as numbers, and report what happens to tracks.
 
-        With `keep`, their numbers are their tracks already. A page without contours is skipped: the next page is
-        compared with the page before it.
+        The track of an object, one contour each, is its number, which is the group. A page without contours is skipped:
+        the next page is compared with the page before it.
         """
         if not contours:
             return (), ()
         before = self._before
-        overlaps = measure_overlaps(before, contours, shape)
-        if keep:
-            now = {one.number: place for place, one in enumerate(contours)}
-            pairs = {then: now[one.number] for then, one in enumerate(before) if one.number in now}
-        else:
-            pairs = _match_contours(overlaps.dice)
+        dice, part = measure_overlaps(before, contours, shape)
+        known = {one.group: place for place, one in enumerate(contours) if one.group}
+        pairs = {then: known[one.number] for then, one in enumerate(before) if one.number in known}
+        if not known:
+            pairs = _match_contours(dice)
         owner = {now: then for then, now in pairs.items()}
-        tracks = [one.number for one in contours] if keep else []
-        for place in range(len(contours) - len(tracks)):
-            self._tracks += place not in owner
-            tracks.append(before[owner[place]].number if place in owner else self._tracks)
-        numbered = tuple(replace(one, number=track) for one, track in zip(contours, tracks, strict=True))
-        events = tuple(self._find_events(page, numbered, pairs, overlaps.part_fraction, shape))
-        self._before, self._begun = numbered, True
-        return numbered, events
+        numbered = []
+        for place, one in enumerate(contours):
+            track = one.group or (before[owner[place]].number if place in owner else self._tracks + 1)
+            self._tracks = max(self._tracks, track)
+            numbered.append(replace(one, number=track))
+        events = tuple(self._find_events(page, numbered, pairs, part, shape))
+        centers = {one.group: compute_centroid(one) for one in contours if one.group}
+        speeds = {
+            each: np.subtract(centers[each], self._centers[each]) for each in centers.keys() & self._centers.keys()
+        }
+        self._before = tuple(replace(one, points=one.points + speeds.get(one.group, 0.0)) for one in numbered)
+        self._centers, self._begun = centers, True
+        return tuple(numbered), events
 
     def _find_events(
         self, page: int, now: Contours, pairs: dict[int, int], part: Array, shape: Extent
@@ -175,23 +162,29 @@ class Tracker:
             yield TrackEvent("splits", page, before[then].number, tuple(parts))
 
 
-def measure_overlaps(before: Contours, now: Contours, shape: Extent) -> TrackOverlaps:
-    """Measure how contours of two pages overlap, on an image of this shape [px]."""
+def measure_overlaps(before: Contours, now: Contours, shape: Extent) -> tuple[Array, Array]:
+    """Measure how contours of two pages overlap, on an image of this shape [px].
+
+    Returns
+    -------
+    dice : ndarray, shape (N, M)
+        Overlaps of N contours with M others, which decide which of them belong to one track.
+    part_fraction : ndarray, shape (N, M)
+        Shares of the smaller area that lie in the other; 0 for open contours.
+    """
     if not (before and now):
         nothing = np.zeros((len(before), len(now)))
-        return TrackOverlaps(nothing, nothing)
-    overlaps = _measure_area_overlaps(before, now, shape)
+        return nothing, nothing
+    dice, part = _measure_area_overlaps(before, now, shape)
     lines = np.array([not one.closed for one in before])[:, None] | np.array([not one.closed for one in now])[None]
     if lines.any():  # join the ends of open contours, which may be objects that the border of the image cuts
         then, later = ([replace(one, closed=len(one.points) > 2) for one in contours] for contours in (before, now))
-        overlaps.part_fraction[lines] = 0.0
-        overlaps.dice[lines] = np.maximum(
-            _measure_area_overlaps(then, later, shape).dice, _measure_line_overlap(before, now)
-        )[lines]
-    return overlaps
+        part[lines] = 0.0
+        dice[lines] = _measure_area_overlaps(then, later, shape)[0][lines]
+    return dice, part
 
 
-def _measure_area_overlaps(before: Contours, now: Contours, shape: Extent) -> TrackOverlaps:
+def _measure_area_overlaps(before: Contours, now: Contours, shape: Extent) -> tuple[Array, Array]:
     """Measure the overlap of the areas of closed contours, by Dice and as a share of the smaller area."""
     one, other = (_label_regions(contours, shape) for contours in (before, now))
     shared = np.zeros((len(before) + 1, len(now) + 1))
@@ -200,7 +193,7 @@ def _measure_area_overlaps(before: Contours, now: Contours, shape: Extent) -> Tr
     common = shared[1:, 1:]
     first, second = shared.sum(axis=1)[1:, None], shared.sum(axis=0)[1:][None]
     least = np.minimum(first, second)
-    return TrackOverlaps(2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0))
+    return 2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0)
 
 
 def _label_regions(contours: Contours, shape: Extent) -> Index:
@@ -208,24 +201,6 @@ def _label_regions(contours: Contours, shape: Extent) -> Index:
     alone = [replace(contour, group=0, hole=False) for contour in contours]
     places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
     return places[rasterize_labels(alone, shape)].ravel()
-
-
-def _measure_line_overlap(before: Contours, now: Contours) -> Array:
-    """Measure the share of the length of two contours, taken together, that runs along the other, shape (N, M)."""
-    then = [sample_path(contour.path, _TRACK_SAMPLING) for contour in before]
-    later = [sample_path(contour.path, _TRACK_SAMPLING) for contour in now]
-    shared = _count_samples_near(then, now) + _count_samples_near(later, before).T
-    lengths = np.array([len(one) for one in then])[:, None] + np.array([len(one) for one in later])[None]
-    return shared / lengths
-
-
-def _count_samples_near(samples: Sequence[Array], contours: Contours) -> Array:
-    """Count the samples of each line that lie next to each contour."""
-    owner = repeat_indices([len(one) for one in samples])
-    place, contour, _ = build_path_tree(contours).pairs_within(np.concatenate(samples), _LINE_TOLERANCE)
-    count = np.zeros((len(samples), len(contours)))
-    np.add.at(count, (owner[place], contour), 1.0)
-    return count
 
 
 def _match_contours(dice: Array) -> dict[int, int]:

@@ -9,9 +9,10 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from cpm_core.image.image import Image
 from cpm_core.model.starts import pixels_above
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, frozen
+from cpm_core.numerics.types import Array, Mask, frozen
 from cpm_core.shapes.path import ClosedPath, check_number
 
 MIN_GRID_SPACING = 2.0
@@ -119,15 +120,27 @@ class Threshold(OnStrongEdges, ClosedPath):
         ClosedPath.__post_init__(self)
         check_number("fraction", self.fraction, 0.0, 1.0)
 
-    def seeds_for(self, values: Array, strength: Callable[[], Array]) -> Array:
-        """Return the positions of the particles on an image, shape (N, 2); see `Everywhere.seeds_for`."""
-        corner = np.array(values.shape) - 1
-        low = np.clip(np.ceil(np.min(self.points, axis=0)), 0, corner).astype(int)
-        high = np.clip(np.floor(np.max(self.points, axis=0)), 0, corner).astype(int)
-        window = strength()[low[0] : high[0] + 1, low[1] : high[1] + 1]
-        pixels = np.indices(window.shape).reshape(2, -1).T + low
-        within = polyline.points_inside(self.points, pixels.astype(float)).reshape(window.shape)
-        return pixels_above(np.where(within, window, 0.0), self.fraction) + low if within.any() else np.empty((0, 2))
+    def seeds_on(self, _image: Image, _channel: str, find_strength: Callable[[], Array]) -> Array:
+        """Return the positions of the particles on an image, shape (N, 2); see `Everywhere.seeds_on`."""
+        return find_strong_pixels(
+            find_strength(), self.outline, self.fraction, lambda places: polyline.points_inside(self.points, places)
+        )
+
+
+def find_strong_pixels(
+    strength: Array, outline: Array, fraction: float, contains: Callable[[Array], Mask] | None = None
+) -> Array:
+    """Find the pixels in the box of an outline, shape (K, D), with an edge strength above a fraction of the largest.
+
+    Only places, shape (N, D), that an area `contains` count; by default all. Returns shape (M, D).
+    """
+    low = np.clip(np.ceil(outline.min(axis=0)), 0, strength.shape).astype(int)
+    high = np.clip(np.floor(outline.max(axis=0)) + 1, low, strength.shape).astype(int)
+    window = strength[tuple(map(slice, low, high))]
+    if contains is not None:
+        places = np.indices(window.shape).reshape(window.ndim, -1).T + low
+        window = np.where(contains(places.astype(float)).reshape(window.shape), window, 0.0)
+    return pixels_above(window, fraction) + low if window.size else np.empty((0, window.ndim))
 
 
 def check_spacing(spacing: float, lengths: Sequence[float]) -> None:

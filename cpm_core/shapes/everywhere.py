@@ -47,32 +47,23 @@ class Everywhere(WithoutOutline):
         """Whether the positions depend on the smoothing."""
         return self.kind == "gradient"
 
-    def seeds_for(self, values: Array, strength: Callable[[], Array]) -> Array:
-        """Return the positions of the particles on an image, shape (N, 2).
+    def seeds_on(self, image: Image, channel: str, find_strength: Callable[[], Array]) -> Array:
+        """Return the positions of the particles on an image, shape (N, 2), or in a volume, shape (N, 3).
 
         Parameters
         ----------
-        values : ndarray, shape (H, W)
-            Gray values of the image.
-        strength : callable
-            Gives the edge strength of the image, shape (H, W).
+        image : Image
+            The image or volume.
+        channel : str
+            Channel of a color image whose gray levels count.
+        find_strength : callable
+            Finds the edge strength of the image, in its shape.
         """
-        if self.kind == "grid":
-            return uniform_grid(values.shape)
         if self.kind == "gradient":
-            return pixels_above(strength(), STRONG_EDGE_FRACTION)
-        return divergence_centers(values)
-
-    def seeds_in(self, volume: Image, smoothing: float) -> Array:
-        """Return the positions of the particles in a volume, shape (N, 3).
-
-        `smoothing` is the sigma of the Gaussian before the gradient [smallest sides of a voxel].
-        """
-        if self.kind == "grid":
-            return volume_starts.seeds_everywhere(volume)
-        if self.kind == "gradient":
-            return volume_starts.seeds_on_strong_edges(volume, smoothing=smoothing)
-        return volume_starts.seeds_at_centers(volume)
+            return pixels_above(find_strength(), STRONG_EDGE_FRACTION)
+        if image.ndim == 3:
+            return (volume_starts.seeds_everywhere if self.kind == "grid" else volume_starts.seeds_at_centers)(image)
+        return uniform_grid(image.shape) if self.kind == "grid" else divergence_centers(image.gray_levels(channel))
 
     def translated(self, offset: Position) -> Everywhere:
         """Return the shape itself: it has no position."""

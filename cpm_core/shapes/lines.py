@@ -69,8 +69,6 @@ class Points(WithoutOutline):
 
     def __post_init__(self) -> None:
         check_positions("positions", self.positions, 1)
-        if len({len(position) for position in self.positions}) > 1:
-            raise ValueError("positions in an image and in a volume are mixed: give all of them as many numbers.")
 
     @property
     def title(self) -> str:

@@ -26,10 +26,12 @@ def check_number(name: str, value: float, low: float = MIN_SIZE, high: float = L
 
 
 def check_positions(name: str, positions: Sequence[Place], least: int) -> None:
-    """Check that enough corners or points of a shape differ, else raise ValueError."""
+    """Check that enough corners or points of a shape differ, and have as many axes, else raise ValueError."""
     different = len(set(positions))
     if different < least:
         raise ValueError(f"{different} different {name} are given but at least {least} are needed.")
+    if len(set(map(len, positions))) > 1:
+        raise ValueError(f"{name} in an image and in a volume are mixed: give all of them as many numbers.")
 
 
 class WithoutOutline:
@@ -75,8 +77,6 @@ class OpenPath(WithoutOutline):
 
     def __post_init__(self) -> None:
         check_positions("points", self.points, self.least)
-        if len(set(map(len, self.points))) > 1:
-            raise ValueError("points in an image and in a volume are mixed: give all of them as many numbers.")
 
     @property
     def outline(self) -> Array:

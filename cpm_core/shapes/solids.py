@@ -11,11 +11,12 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import Pair
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Sides, Voxel, frozen
-from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, finest_spacing, place_evenly
+from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, find_strong_pixels, finest_spacing, place_evenly
 from cpm_core.shapes.ellipse import Round
 from cpm_core.shapes.path import LARGEST_SIZE, WithoutOutline, check_number
 
@@ -206,15 +207,9 @@ class BoxThreshold(OnStrongEdges, Cuboid):
         Cuboid.__post_init__(self)
         check_number("fraction", self.fraction, 0.0, 1.0)
 
-    def seeds_within(self, strength: Callable[[], Array]) -> Array:
-        """Return the positions of the particles in a volume, shape (N, 3), given the edge strength of its voxels."""
-        whole = strength()
-        low = np.clip(np.ceil(self.first), 0, whole.shape).astype(int)
-        high = np.clip(np.floor(self.last) + 1, low, whole.shape).astype(int)
-        inside = whole[tuple(map(slice, low, high))]
-        if not inside.size:
-            return np.empty((0, 3))
-        return np.argwhere(inside > self.fraction * inside.max()).astype(float) + low
+    def seeds_on(self, _image: Image, _channel: str, find_strength: Callable[[], Array]) -> Array:
+        """Return the positions of the particles in a volume, shape (N, 3); see `Everywhere.seeds_on`."""
+        return find_strong_pixels(find_strength(), self.outline, self.fraction)
 
 
 @frozen

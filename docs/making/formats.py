@@ -11,7 +11,7 @@ from cpm_core.formats import (
     SURFACES_READABLE,
     VOLUMES_WRITABLE,
 )
-from making.tables import table
+from docs.making.tables import table
 
 CHECKED: dict[str, str] = {
     ".svg": "an XML parser, and read back",

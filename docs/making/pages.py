@@ -1,33 +1,51 @@
-"""All that is made for the documentation, into one folder next to its pages."""
+"""What is made from the program: tables in the pages, and a folder of parts that only the built documentation has."""
 
 from __future__ import annotations
 
+import re
 import shutil
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from making import command_line, figures, formats, notebooks, parameters, reference, rows
+from docs.making import command_line, figures, formats, notebooks, parameters, reference, rows
 
 ROOT = Path(__file__).parents[2]
 """The folder of the project."""
 
+TABLES: Mapping[str, Callable[[], str]] = {
+    "parameters": parameters.table,
+    "presets": parameters.presets,
+    "readable": formats.readable,
+    "writable": formats.writable,
+    "contours_readable": formats.contours_readable,
+    "surfaces_readable": formats.surfaces_readable,
+    "rows": rows.table,
+}
+"""The tables that pages contain, so that they can be read without building the documentation."""
+
+_TABLE = re.compile(r"(<!-- made: (\w+) -->\n).*?(<!-- end -->)", flags=re.DOTALL)
+
+
+def with_current_tables(page: str) -> str:
+    """Return the text of a page with its tables made from the program as it is."""
+    return _TABLE.sub(lambda match: f"{match[1]}\n{TABLES[match[2]]()}\n{match[3]}", page)
+
+
+def update_pages() -> None:
+    """Write the tables and the figures of the pages anew."""
+    for path in (ROOT / "docs").glob("*.md"):
+        text = path.read_text(encoding="utf-8")
+        current = with_current_tables(text)
+        if current != text:
+            path.write_text(current, encoding="utf-8")
+    figures.draw(ROOT / "docs" / "figures")
+
 
 def make(folder: Path) -> None:
-    """Write pages and figures anew."""
+    """Write the help of the commands, the reference and the notebooks anew, into a folder next to the pages."""
     shutil.rmtree(folder, ignore_errors=True)
-    written = {
-        "parameters.md": parameters.table(),
-        "presets.md": parameters.presets(),
-        "command_line.md": command_line.text(),
-        "readable.md": formats.readable(),
-        "writable.md": formats.writable(),
-        "contours_readable.md": formats.contours_readable(),
-        "surfaces_readable.md": formats.surfaces_readable(),
-        "rows.md": rows.table(),
-        **reference.pages(),
-    }
-    for name, text in written.items():
+    for name, text in {"command_line.md": command_line.text(), **reference.pages()}.items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
-    figures.draw(folder / "figures")
     notebooks.make(ROOT / "docs" / "notebooks", folder / "notebooks", ROOT)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from cpm_core.parameters import DEFAULT_VALUES, PARAMETERS, PRESETS, ParameterInfo
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
-from making.tables import table as made
+from docs.making.tables import table as made
 
 _STALE = {
     "nothing": "acts at the next step",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from making.tables import table as made
+from docs.making.tables import table as made
 
 
 class Row(NamedTuple):

@@ -27,13 +27,13 @@ def asked(qtbot: QtBot, window: MainWindow) -> ExportDialog:
 
 def offered(dialog: ExportDialog) -> list[str]:
     """What can be checked, as ``what:suffix``."""
-    return list(map(":".join, dialog.rows))
+    return list(map(":".join, dialog.list.rows))
 
 
 def check(qtbot: QtBot, dialog: ExportDialog, *wanted: str) -> None:
     """Check these and nothing else, by the space bar."""
     assert set(wanted) <= set(offered(dialog))
-    for item, key in zip(dialog.rows.values(), offered(dialog), strict=True):
+    for item, key in zip(dialog.list.rows.values(), offered(dialog), strict=True):
         if (item.checkState(0) == Qt.CheckState.Checked) != (key in wanted):
             item.parent().setExpanded(True)
             dialog.list.setCurrentItem(item)

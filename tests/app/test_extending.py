@@ -18,9 +18,8 @@ from cpm_app.views.features import edit
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.main_window import make_window
-from cpm_app.views.tools import TOOLS
+from cpm_app.views.tools import TOOLS, TOOLS_BY_GROUP
 from cpm_app.views.tools.gesture_tools import DraggedTool
-from cpm_app.views.tools.tool import CIRCLE_GROUP
 from cpm_app.views.window import bars
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
@@ -134,10 +133,8 @@ class DiameterTool(DraggedTool):
     name = "bin"  # also the name of its icon
     menu_text = "&Diameter tool"
     shortcut = "N"
-    group = CIRCLE_GROUP
     tip = "Drag along a diameter."
     activity = "draw a circle by its diameter"
-    slip_message = "Drag along a diameter."
 
     def build_shape(self, begin, at) -> Circle:
         row, col = ((a + b) / 2 for a, b in zip(begin, at, strict=True))
@@ -145,8 +142,10 @@ class DiameterTool(DraggedTool):
 
 
 def test_a_tool_is_a_class_and_an_entry_in_the_table_of_tools(monkeypatch, opened, hand_on) -> None:
-    for module in (canvas_area, edit, bars):
-        monkeypatch.setattr(module, "TOOLS", (*TOOLS, DiameterTool))
+    monkeypatch.setattr(canvas_area, "TOOLS", (*TOOLS, DiameterTool))
+    for module in (edit, bars):
+        grouped = {**TOOLS_BY_GROUP, "Circle": (*TOOLS_BY_GROUP["Circle"], DiameterTool)}
+        monkeypatch.setattr(module, "TOOLS_BY_GROUP", grouped)
     window = opened()
     hand = hand_on(window)
     hand.key(Qt.Key.Key_N)

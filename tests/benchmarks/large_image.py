@@ -23,9 +23,10 @@ import numpy as np
 import scipy
 
 import cpm_core as cpm
+from cpm_core.chunked.chunked_contours import CONTOURS_KIND, ChunkedTask
 from cpm_core.chunked.grid import ChunkedSource, build_grid
 from cpm_core.chunked.image_statistics import GrayScaling, ImageStatistics
-from cpm_core.chunked.run import CONTOURS_KIND, ChunkedTask, find_contours_in_chunk, run_chunks
+from cpm_core.chunked.run import find_contours_in_chunk, run_chunks
 from cpm_core.chunked.store import RunStore
 from cpm_core.cli.workers import connect_to_dask, map_until_finished, run_on_one_core
 from cpm_core.contours.agreement import DEFAULT_TOLERANCE, distances_to_contours
@@ -177,8 +178,7 @@ def objects(side, core):
         several = {}
         for contour in (one for at in range(len(found.counts)) for one in found.read_chunk_contours(at)):
             several.setdefault(contour.group, []).append(contour)
-        grid = build_grid(values.shape, parameters, 1.5, core)
-        between = replace(found, kind=CONTOURS_KIND, grid=grid, counts=(0,) * len(found.counts))
+        between = replace(found, kind=CONTOURS_KIND, counts=(0,) * len(found.counts))
         same = [one for at in range(len(found.counts)) for one in between.read_chunk_contours(at)]
     with limit_cores(1):
         result = cpm.segment(cpm.Image(values), cpm.uniform_grid(values.shape), parameters)

@@ -15,11 +15,11 @@ import numpy as np
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
+from cpm_app.model.document.modes import needs_start
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene_store import SceneStore
-from cpm_app.session.timeline.stored_runs import starts_from_sources
+from cpm_app.session.timeline.branches import starts_from_sources
 from cpm_app.session.timeline.timeline_nodes import EraseAction
-from cpm_app.session.undo_history import Erasure
 from cpm_app.session.worker.commands import WorkerCommand, call_run, find_seeds
 from cpm_app.session.worker.run import Run
 from cpm_core.numerics import Place
@@ -43,7 +43,6 @@ class RunUpdater:
         """The document that each run has begun from, with the mode that it serves now, by its generation."""
         self.sources_by_run: dict[int, Counter[Hashable]] = {}
         """The sources of the particles of each run, by its generation."""
-        self._erasures = 0
         self._last_start_counts: Counter[Hashable] = Counter()
         self._last_shapes: tuple[Shape, ...] | None = None
         self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable] | None, bool] = (None, None, False)
@@ -94,13 +93,14 @@ class RunUpdater:
     def is_outdated(self, document: Document) -> bool:
         """Return whether a run from the current document would begin differently from the existing one.
 
-        Starts that have only been added join the run.
+        Starts that have only been added join the run. A skeleton depends on the objects that it is made for.
         """
-        sources = self._current_sources
+        begun, sources = self._documents_by_run.get(self._run), self._current_sources
+        if begun is not None and not needs_start(begun.mode):
+            return begun.skeleton_inputs != document.skeleton_inputs
         # The window asks many times a second, and many thousand points take a while to compare.
         if document.shapes is not self._outdated[0] or sources is not self._outdated[1]:
             self._outdated = document.shapes, sources, bool(sources - document.start_counts)
-        begun = self._documents_by_run.get(self._run)
         return self._outdated[2] or begun is None or document.start_inputs != begun.start_inputs
 
     def continue_run(self, document: Document) -> None:
@@ -157,12 +157,7 @@ class RunUpdater:
             only = replace(document, shapes=(*starts_from_sources(new), *regions))
             self._post(call_run(self._store.generation, Run.add_particles, only))
 
-    def begin_erasure(self) -> Erasure:
-        """Return an erasure that has not removed anything yet."""
-        self._erasures += 1
-        return Erasure(self._erasures)
-
-    def erase_particles(self, path: tuple[Place, ...], radius: float, erasure: Erasure) -> tuple[Document, bool]:
+    def erase_particles(self, path: tuple[Place, ...], radius: float, gesture: str) -> tuple[Document, bool]:
         """Remove the particles near a path; return the document without its shapes there, and whether the run changes.
 
         Run and document stay consistent, so that the run is not out of date afterwards.
@@ -172,8 +167,7 @@ class RunUpdater:
         self._set_current_sources(self._current_sources - lost)
         if not self._store.status.started:
             return rest, False
-        erasure.sources += lost
-        self._post(call_run(self._store.generation, Run.erase_particles, path, radius, erasure.number))
+        self._post(call_run(self._store.generation, Run.erase_particles, path, radius, gesture))
         # the window knows where particles were a moment ago; while they move, they may be some pixels farther on
         scene, erased = (
             self._store.scene,
@@ -182,12 +176,6 @@ class RunUpdater:
         if lost or scene.snapshot is None or scene.image is None:
             return rest, True
         return rest, bool(np.any(erased.is_near_path(scene.snapshot.position, scene.image.spacing)))
-
-    def undo_or_redo_erasure(self, erasure: Erasure, back: bool) -> None:
-        """Bring back the particles of an erasure and of the shapes it removed, or remove them again."""
-        self._set_current_sources(
-            self._current_sources + erasure.sources if back else self._current_sources - erasure.sources
-        )
 
 
 def _find_start_inputs(document: Document) -> tuple[object, ...]:

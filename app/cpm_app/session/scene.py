@@ -16,6 +16,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import AnySelection, object_from_selection
 from cpm_app.model.volume.slices import Slices
 from cpm_app.session.exchange.messages import OverlayData, Reconstruction, Snapshot
+from cpm_app.session.timeline.timeline import EMPTY_TIMELINE, TimelineState
 from cpm_app.session.worker.requests import ForcesProbed, ImageShaded
 from cpm_core import Image, Result, Skeleton, Truth, VolumeTruth
 from cpm_core.contours.contour import Contours
@@ -139,6 +140,8 @@ class Scene:
         Seeds of the starts that depend on the image.
     snapshot : Snapshot or None
         The particles; None while there is no run.
+    timeline : TimelineState
+        The runs on the image, and their branches.
     reconstruction : Reconstruction or None
         Result of the run, by any method; this is what is exported.
     selected_contours : frozenset of int
@@ -172,6 +175,7 @@ class Scene:
     selected_shape: int | None = None
     image_seeds: ImageSeeds = field(default_factory=lambda: NO_SEEDS)
     snapshot: Snapshot | None = None
+    timeline: TimelineState = EMPTY_TIMELINE
     reconstruction: Reconstruction | None = None
     selected_contours: frozenset[int] = frozenset()
     hovered_contour: int | None = None

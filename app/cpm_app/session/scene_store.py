@@ -23,6 +23,7 @@ from cpm_app.session.exchange.messages import (
     Report,
     RunContinued,
     RunFailed,
+    RunsKept,
     SeedsFound,
     Snapshot,
     WarmedUp,
@@ -191,7 +192,7 @@ class SceneStore(QObject):
             steering=state.steering,
             steps_per_second=snapshot.steps_per_second,
         )
-        self._update_scene(snapshot=snapshot)
+        self._update_scene(snapshot=snapshot, timeline=snapshot.timeline)
         now = time.perf_counter()
         if self._run_status.phase != "running" or before != "running" or now - self._shown_at >= _STATUS_INTERVAL:
             self._shown_at = now
@@ -209,6 +210,8 @@ class SceneStore(QObject):
             case RunFailed(generation, sentence) if generation == self.generation:
                 self._run_status = replace(self._run_status, phase="paused" if self._run_status.count else "ready")
                 self._messages.show(sentence, True, RUNNING_CATEGORY)
+            case RunsKept(generation, timeline) if generation == self.generation and not self._run_status.started:
+                self._update_scene(timeline=timeline)
             case RunContinued(generation) if generation == self.generation:
                 self._run_status = replace(self._run_status, phase="running")
             case SeedsFound(generation, image_seeds, sentence):

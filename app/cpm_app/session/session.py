@@ -33,7 +33,7 @@ from cpm_app.session.session_messages import (
 )
 from cpm_app.session.tasks.opening import Opener, OpenRequest
 from cpm_app.session.tasks.tasks import TaskManager
-from cpm_app.session.undo_history import Change, Erasure, RestingStep, UndoHistory
+from cpm_app.session.undo_history import Change, TimelinePlace, UndoHistory
 from cpm_app.session.worker.commands import (
     RunsRestored,
     WorkerCommand,
@@ -48,6 +48,7 @@ from cpm_app.session.worker.worker_thread import WorkerThread
 from cpm_core import RUN_METHODS, Image, Parameters
 from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT_READING
+from cpm_core.numerics import Place
 from cpm_core.shapes import Sphere
 
 _PREPARING_TEXT = tr("Preparing (takes longer the first time)…")
@@ -85,7 +86,7 @@ class Session(QObject):
         self.history = UndoHistory()
         """The changes that can be undone and redone."""
         self.run_updater = RunUpdater(self.store, self.post_command)
-        self._target: RestingStep | None = None
+        self._target: TimelinePlace | None = None
         """Where an undo or a redo is taking the run, until it is shown."""
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
@@ -147,7 +148,7 @@ class Session(QObject):
         status, document = self.store.status, self.document
         method = RUN_METHODS[status.method]
         other = status.method != MODES[document.mode].method
-        stale = status.started and (other or (method.seeded and self.run_updater.is_outdated(document)))
+        stale = status.started and (other or self.run_updater.is_outdated(document))
         steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
         if status.phase == "empty" and self.opening_name:
             return replace(status, busy=self.opening_name)
@@ -180,14 +181,12 @@ class Session(QObject):
 
     # Editing
 
-    def edit(
-        self, name: str, edit: Callable[[Document], Document], gesture: str = "", erasure: Erasure | None = None
-    ) -> None:
+    def edit(self, name: str, edit: Callable[[Document], Document], gesture: str = "") -> None:
         """Change the document in a way that can be undone.
 
-        `name` follows "Undo" in the menu. Successive edits with the same gesture are undone together, as is the
-        `erasure` of particles. A gesture that changes the forces on particles at rest, such as the drag of a slider,
-        reactivates them. A `ValueError` of `edit` is shown to the user and changes nothing.
+        `name` follows "Undo" in the menu. Successive edits with the same gesture are undone together. A gesture that
+        changes the forces on particles at rest, such as the drag of a slider, reactivates them; a run without seeds,
+        which takes a few steps, follows every edit. A `ValueError` of `edit` is shown to the user and changes nothing.
         """
         before = self.document
         try:
@@ -195,13 +194,28 @@ class Session(QObject):
         except ValueError as error:
             self.messages.show(explain_error(error), True, EDITING_CATEGORY)
             return
-        if after != before or erasure is not None:
-            continues = bool(gesture) and self._moves_resting_particles(after)
-            self.history.push(Change(name, before, after, gesture, erasure, self._find_resting_step()))
-            with self.store.defer_status():
-                self._set_document(after, complete=not gesture)
-            if continues:
+        if after != before:
+            method = MODES[after.mode].method
+            follows = not RUN_METHODS[method].seeded and method == self.status.method
+            continues = (follows or bool(gesture)) and self._moves_resting_particles(after)
+            self._push_and_show(Change(name, before, after, gesture, place_before=self._find_place()))
+            if follows and self.status.stale:
+                self.reset()
                 self.run()
+            elif continues:
+                self.run()
+
+    def erase(self, path: tuple[Place, ...], radius: float, gesture: str) -> bool:
+        """Erase shapes, points and particles near a path; return whether there were any.
+
+        What one gesture erases is undone together.
+        """
+        before, place = self.document, self._find_place()
+        left, run_changed = self.run_updater.erase_particles(path, radius, gesture)
+        if left == before and not run_changed:
+            return False
+        self._push_and_show(Change(tr("erase"), before, left, gesture, run_changed, place))
+        return True
 
     def set_mode(self, mode: Mode) -> None:
         """Change the mode of the next run; what the last one has found stays until then."""
@@ -214,12 +228,12 @@ class Session(QObject):
         self.run_updater.end_gesture()
 
     def undo(self) -> None:
-        """Undo the last edit; a run that was at rest before it is shown there again."""
-        self._apply_change(self.history.undo(self._find_resting_step()), back=True)
+        """Undo the last edit; a run that was at rest before it, or lost particles by it, is shown there again."""
+        self._apply_change(self.history.undo(self._find_place()), back=True)
 
     def redo(self) -> None:
         """Repeat the edit that was undone last; a run that was at rest after it is shown there again."""
-        self._apply_change(self.history.redo(self._find_resting_step()), back=False)
+        self._apply_change(self.history.redo(self._find_place()), back=False)
 
     def select_shape(self, index: int | None) -> None:
         """Select a shape, or none; an index beyond the shapes, one that could not be drawn, selects none."""
@@ -393,49 +407,54 @@ class Session(QObject):
     # Internal
 
     def _apply_change(self, change: Change | None, back: bool) -> None:
-        """Use the document before or after a change, and restore or remove its erased particles."""
+        """Use the document before or after a change, and go where the run was then."""
         if change is None:
             return
-        if change.erasure is not None:
-            goes_on = self.status.phase == "running"
-            self.run_updater.undo_or_redo_erasure(change.erasure, back)
-            self.pause_and_post(call_run(None, Run.undo_or_redo_erasure, change.erasure.number, back))
-            if goes_on:
-                self.store.set_phase("running")
-                self.post_command(call_run(self.store.generation, Run.take_steps))
-        rest = change.rest_before if back else change.rest_after
-        known = rest is not None and change.erasure is None and self._is_recorded(rest)
-        if rest is not None and known:
-            self.run_updater.restore_sources(rest.run, rest.sources)
-        resumes = not back and not known and change.rest_before is not None
-        shown = self._find_resting_step()
+        place = change.place_before if back else change.place_after
+        if place is not None and not ((place.at_rest or change.erases) and self._is_recorded(place)):
+            place = None
+        if place is not None:
+            self.run_updater.restore_sources(place.run, place.sources)
+        rested = change.place_before is not None and change.place_before.at_rest
+        resumes = rested and place is None and not (back or change.erases)
+        shown, goes_on = self._find_place(), change.erases and self.status.phase == "running"
         with self.store.defer_status():
             self._set_document(change.before if back else change.after, resumes=resumes)
-        if rest is not None and known:
-            if shown is None or (shown.branch, shown.step) != (rest.branch, rest.step):
-                self._target = rest
-                here = self.store.generation
-                self.pause_and_post(call_run(here, Run.go_to, rest.branch, rest.step, lambda: True))
+        if place is not None:
+            here = self.store.generation
+            if change.erases or shown is None or (shown.branch, shown.step) != (place.branch, place.step):
+                self._target = place
+                self.pause_and_post(call_run(here, Run.go_to, place.branch, place.step))
                 self.post_command(call_run(here, Run.reconstruct_if_halted))
+            if goes_on:
+                self.store.set_phase("running")
+                self.post_command(call_run(here, Run.take_steps))
         elif resumes and (self.status.phase == "paused" or self.status.steered):
             self.run()
 
-    def _find_resting_step(self) -> RestingStep | None:
-        """Return the step at which the run is at rest, or to which an undo is taking it."""
-        shown = self.scene.snapshot
-        if self._target is not None or shown is None or self.status.phase != "finished":
-            return self._target
-        timeline, sources = shown.timeline, self.run_updater.find_sources(shown.timeline.run_generation)
-        return RestingStep(
-            self.store.image_generation, timeline.run_generation, timeline.branch, shown.state.step, sources
-        )
+    def _push_and_show(self, change: Change) -> None:
+        """Note a change for undo, and show the document after it."""
+        self.history.push(change)
+        with self.store.defer_status():
+            self._set_document(change.after, complete=not change.gesture)
 
-    def _is_recorded(self, rest: RestingStep) -> bool:
+    def _find_place(self) -> TimelinePlace | None:
+        """Return where the run is on the timeline, or where an undo is taking it."""
+        shown = self.scene.snapshot
+        if self._target is not None or shown is None or not self.status.started:
+            return self._target
+        run = shown.timeline.run_generation
+        return TimelinePlace(
+            self.store.image_generation, run, shown.timeline.branch, shown.state.step,
+            self.run_updater.find_sources(run), self.status.phase == "finished",
+        )  # fmt: skip
+
+    def _is_recorded(self, place: TimelinePlace) -> bool:
         """Return whether a step is still on the timeline of the run that is shown."""
         shown = self.scene.snapshot
-        if shown is None or not self.status.started or rest.image_generation != self.store.image_generation:
+        if shown is None or not self.status.started or place.image_generation != self.store.image_generation:
             return False
-        return any(line.identity == rest.branch for line in shown.timeline.branches)
+        return any(line.identity == place.branch for line in shown.timeline.branches)
 
     def _moves_resting_particles(self, after: Document) -> bool:
         """Return whether the run is at rest, and its particles would move with the parameters of another document."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_core.numerics.types import frozen
@@ -13,20 +13,9 @@ MAX_UNDO_CHANGES = 500
 """Largest number of changes that can be undone."""
 
 
-@dataclass(eq=False)
-class Erasure:
-    """Particles that a gesture removes from a run and that undo brings back, by a number of its own.
-
-    `sources` are the drawn shapes that it removes, as far as particles of the run come from them.
-    """
-
-    number: int
-    sources: Counter[Hashable] = field(default_factory=Counter)
-
-
 @frozen
-class RestingStep:
-    """A step of the timeline of an image at which a run has ended.
+class TimelinePlace:
+    """A step of the timeline of an image.
 
     Attributes
     ----------
@@ -38,6 +27,8 @@ class RestingStep:
         Where it is on the timeline.
     sources : Counter
         The sources of its particles.
+    at_rest : bool
+        Whether the run had ended there.
     """
 
     image_generation: int
@@ -45,6 +36,7 @@ class RestingStep:
     branch: int
     step: int
     sources: Counter[Hashable]
+    at_rest: bool
 
 
 @frozen
@@ -52,16 +44,17 @@ class Change:
     """A change that can be undone.
 
     Successive changes with the same gesture, such as the drag of a slider, are merged; an empty gesture never merges.
-    `rest_before` and `rest_after` are where the run was at rest when the change was made and when it was undone last.
+    `place_before` and `place_after` are where the run was when the change was made and when it was undone last; undo
+    and redo go back there if the run was at rest, or if the change `erases` particles.
     """
 
     name: str
     before: Document
     after: Document
     gesture: str = ""
-    erasure: Erasure | None = None
-    rest_before: RestingStep | None = None
-    rest_after: RestingStep | None = None
+    erases: bool = False
+    place_before: TimelinePlace | None = None
+    place_after: TimelinePlace | None = None
 
 
 class UndoHistory:
@@ -87,8 +80,8 @@ class UndoHistory:
         self._undone.clear()
         if self._open and change.gesture and self._done and self._done[-1].gesture == change.gesture:
             known = self._done.pop()
-            merged = replace(known, after=change.after, name=change.name, erasure=known.erasure or change.erasure)
-            if merged.before != merged.after or merged.erasure is not None:
+            merged = replace(known, after=change.after, name=change.name, erases=known.erases or change.erases)
+            if merged.before != merged.after or merged.erases:
                 self._done.append(merged)
             else:
                 self._open = False
@@ -101,14 +94,15 @@ class UndoHistory:
         """End a gesture: the next change is separate."""
         self._open = False
 
-    def undo(self, rest: RestingStep | None) -> Change | None:
-        """Take the last change back, if there is one; `rest` is where the run is at rest after it."""
-        return self._move_last_change(self._done, self._undone, lambda change: replace(change, rest_after=rest))
+    def undo(self, place: TimelinePlace | None) -> Change | None:
+        """Take the last change back, if there is one; `place` is where the run is after it."""
+        return self._move_last_change(self._done, self._undone, lambda change: replace(change, place_after=place))
 
-    def redo(self, rest: RestingStep | None) -> Change | None:
-        """Repeat the change that was undone last, if there is one; `rest` is where the run is at rest before it."""
+    def redo(self, place: TimelinePlace | None) -> Change | None:
+        """Repeat the change that was undone last, if there is one; `place` is where the run is before it."""
+        at_rest = place is not None and place.at_rest
         return self._move_last_change(
-            self._undone, self._done, lambda change: replace(change, rest_before=rest or change.rest_before)
+            self._undone, self._done, lambda change: replace(change, place_before=place) if at_rest else change
         )
 
     def move_to_image(self, image: ImageReference | None) -> UndoHistory:
@@ -117,7 +111,7 @@ class UndoHistory:
         Erasures of particles are dropped, because their runs have ended with the image.
         """
         for changes in (self._done, self._undone):
-            if any(change.after.image != image or change.erasure is not None for change in changes):
+            if any(change.after.image != image or change.erases for change in changes):
                 changes[:] = [
                     Change(change.name, replace(change.before, image=image), replace(change.after, image=image))
                     for change in changes if change.before != change.after
@@ -125,10 +119,10 @@ class UndoHistory:
         return self
 
     def _move_last_change(
-        self, source: list[Change], target: list[Change], note_rest: Callable[[Change], Change]
+        self, source: list[Change], target: list[Change], note_place: Callable[[Change], Change]
     ) -> Change | None:
         self._open = False
         if source:
-            target.append(note_rest(source.pop()))
+            target.append(note_place(source.pop()))
             return target[-1]
         return None

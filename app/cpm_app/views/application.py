@@ -7,13 +7,13 @@ import sys
 
 import pyqtgraph as pg
 from PySide6.QtCore import QLibraryInfo, QLocale, QTimer, QTranslator
-from PySide6.QtGui import QPixmapCache
+from PySide6.QtGui import QIcon, QPixmapCache
 from PySide6.QtWidgets import QApplication
 
+from cpm_app.model.text.assets import find_asset
 from cpm_app.model.text.language import current_language, use_number_marks
 from cpm_app.views.features.help import HelpFeature
 from cpm_app.views.main_window import open_window
-from cpm_app.views.theme.icons import load_program_icon
 from cpm_app.views.window.python_hooks import UnexpectedErrors
 
 SWITCH_INTERVAL = 0.0002
@@ -31,7 +31,7 @@ def make_application() -> QApplication:
     application.setApplicationDisplayName("CPM")
     application.setDesktopFileName("cpm")
     application.setStyle("Fusion")
-    application.setWindowIcon(load_program_icon())
+    application.setWindowIcon(QIcon(str(find_asset("icons/cpm.svg"))))
     locale = locale_of(current_language(), QLocale.system())
     QLocale.setDefault(locale)
     use_number_marks(locale.decimalPoint(), locale.groupSeparator())

@@ -39,7 +39,7 @@ TEXT_ON = (
 @pytest.mark.parametrize("used", [theme.LIGHT_THEME, theme.DARK_THEME], ids=["light", "dark"])
 @pytest.mark.parametrize(("text", "ground"), TEXT_ON)
 def test_text_can_be_read_on_its_background(used, text, ground):
-    assert contrast(getattr(used, text), getattr(used, ground)) >= 4.5
+    assert contrast(used[text], used[ground]) >= 4.5
 
 
 def test_marks_on_the_canvas_are_seen_on_its_background():

@@ -60,7 +60,7 @@ def bypassing(source: str) -> list[tuple[int, str]]:
             continue
         name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
         said = list(node.args) if name in SHOWING else node.args[:1] if name in NAMING else []
-        said += [keyword.value for keyword in node.keywords if keyword.arg in WORDS and name != "Theme"]
+        said += [keyword.value for keyword in node.keywords if keyword.arg in WORDS]
         found += [(part.lineno, ast.unparse(part)) for part in said
                   if readable(part) and getattr(part, "value", "") not in NOT_READ]  # fmt: skip
     return found

@@ -125,8 +125,7 @@ def test_an_intervention_is_repeated_after_opening(ready, hand, tmp_path) -> Non
     for _ in range(8):
         session.step()
     session.edit("draw", lambda document: edits.add_shape(document, Circle((20.0, 20.0), 5.0)))
-    erasure = session.run_updater.begin_erasure()
-    session.edit("erase", lambda _: session.run_updater.erase_particles(((32.0, 42.0), (34.0, 42.0)), 3.0, erasure)[0])
+    session.erase(((32.0, 42.0), (34.0, 42.0)), 3.0, "erase")
     for _ in range(8):
         session.step()
     hand.wait(lambda: session.idle)
@@ -180,20 +179,20 @@ def test_a_skeleton_is_there_again(ready, hand, tmp_path) -> None:
 
 
 DAMAGES = [
-    (("runs", 0, "branches", 0, "steps"), [[[99], 4]], ["Run 2"]),
-    (("runs", 0, "branches", 0, "steps"), [[[], 1], [[0], 10**12]], ["Run 2"]),
-    (("runs", 0, "branches", 1, "parent"), 77, ["Run 2"]),
-    (("runs", 0, "document"), "no document", ["Run 2"]),
-    (("runs", 1, "actions", 0, "step", "beta"), -5.0, ["Run 1", "Branch 1"]),
-    (("states", 0, "state", "position", "data"), "AAAA", ["Run 1", "Branch 1", "Run 2"]),
-    (("runs",), 3, []),
+    (("runs", 0, "branches", 0, "steps"), [[[99], 4]]),
+    (("runs", 0, "branches", 0, "steps"), [[[], 1], [[0], 10**12]]),
+    (("runs", 0, "branches", 1, "parent"), 77),
+    (("runs", 0, "document"), "no document"),
+    (("runs", 1, "actions", 0, "step", "beta"), -5.0),
+    (("states", 0, "state", "position", "data"), "AAAA"),
+    (("runs",), 3),
 ]
-"""Pieces of a session file, what they are replaced by, and the branches that are left."""
+"""Pieces of a session file, and what they are replaced by."""
 
 
-def test_a_damaged_piece_is_one_sentence_and_the_rest_is_opened(steered, hand, tmp_path, cases) -> None:
+def test_damaged_runs_are_one_sentence_and_everything_else_is_opened(steered, hand, tmp_path, cases) -> None:
     whole = saved(steered, hand, tmp_path / "a.cpm").read_text()
-    for path, value, left in cases(DAMAGES):
+    for path, value in cases(DAMAGES):
         content = json.loads(whole)
         at = content["runs"]
         for key in path[:-1]:
@@ -202,7 +201,7 @@ def test_a_damaged_piece_is_one_sentence_and_the_rest_is_opened(steered, hand, t
         (tmp_path / "b.cpm").write_text(json.dumps(content))
         said = reopened(steered, hand, tmp_path / "b.cpm")
         assert len([text for text in said if "damaged" in text]) == 1
-        assert [branch.name for branch in navigation(steered).timeline_state.branches] == left
+        assert [branch.name for branch in navigation(steered).timeline_state.branches] == []
         assert steered.session.document.shapes == (Circle((30.0, 28.0), 6.0),)
 
 

@@ -32,7 +32,6 @@ from cpm_app.session.worker.commands import (
     start_run,
     write_files,
 )
-from cpm_app.session.worker.requests import go_to_step
 from cpm_app.session.worker.run import Run
 from cpm_app.session.worker.worker_thread import WorkerThread
 from hypothesis import given, settings
@@ -420,7 +419,7 @@ def test_commands_that_are_left_out_change_nothing(picked: list[int]) -> None:
             lambda: call_run(2, Run.take_steps, 2),
             lambda: call_run(None, Run.halt),
             lambda: start_run(2, 1, replace(DOCUMENT, parameters=Parameters(beta=0.5 + 0.01 * number))),
-            lambda: go_to_step(2, 0, 1, lambda: True),
+            lambda: call_run(2, Run.go_to, 0, 1),
             lambda: find_seeds(1, DOCUMENT),
         )
         return makers[choice]()

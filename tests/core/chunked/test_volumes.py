@@ -9,7 +9,7 @@ import scipy
 import cpm_core as cpm
 from cpm_core.chunked import grid as grids
 from cpm_core.chunked import results, volume_results
-from cpm_core.chunked.run import ChunkedTask
+from cpm_core.chunked.chunked_contours import ChunkedTask
 from cpm_core.chunked.store import RunStore
 from cpm_core.chunked.volume_run import run_particles
 from cpm_core.chunked.volume_surface import run_volume

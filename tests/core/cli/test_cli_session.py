@@ -122,9 +122,7 @@ def test_an_image_whose_process_dies_is_tried_once_more_and_the_others_go_on(dis
 
     monkeypatch.setattr(workers, "wait", killing)
     made = SessionFile(shapes=(Circle(CENTERS[0], 6.0),))
-    jobs = [
-        BatchJob(number, BatchRow("disks"), str(disks), made, Parameters(scales=2), 3, (), "") for number in range(3)
-    ]
+    jobs = [BatchJob(number, BatchRow("disks"), str(disks), made, Parameters(scales=2), 3, ()) for number in range(3)]
     found = sorted((job.number, row.trouble) for job, row in workers.run_locally(jobs, 2))
     assert killed
     assert found == [(0, ""), (1, ""), (2, "")]

@@ -7,7 +7,7 @@ import pytest
 
 import cpm_core as cpm
 from cpm_core.contours.contour import Contour
-from cpm_core.pages import ContourFollower, StackResult
+from cpm_core.pages import PageFollower, StackResult
 from cpm_core.pages.tracks import Tracker
 from cpm_core.shapes import Polygon
 
@@ -65,7 +65,7 @@ def test_pages_are_followed_in_the_order_that_is_asked_for():
 
 
 def test_the_next_page_starts_from_shapes_along_the_contours_of_the_last_one_that_has_any():
-    follower = ContourFollower()
+    follower = PageFollower()
     first = follower.add_page(1, cpm.segment(MOVING[0], cpm.circle((32, 22), 5.0)))
     follower.add_page(2, replace(first.result, contours=()))
     (start,) = follower.next_starts

@@ -10,7 +10,7 @@ import cpm_core as cpm
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.image.image import as_image
 from cpm_core.objects import compute_iou
-from cpm_core.pages import ObjectFollower, pages_from_results
+from cpm_core.pages import ObjectFollower, PageFollower
 
 from .drawn import MOVING, SHAPE
 
@@ -104,7 +104,8 @@ def test_accepted_objects_have_the_events_of_their_numbers_and_the_gray_values_o
         made = cpm.objects_result(list(objects.values()), page(*disks))
         named = [replace(one, group=sorted(objects)[one.group - 1]) for one in made.contours]
         results[number] = replace(made, contours=tuple(named))
-    told = pages_from_results(results)
+    follower = PageFollower()
+    told = [follower.add_page(number, result) for number, result in results.items()]
     assert [(one.kind, one.page, one.track, one.others) for each in told for one in each.events] == events
     assert [[one.number for one in each.contours] for each in told] == [[1], [1, 2], [1, 2]]
     for each, disks in zip(told, pages, strict=True):

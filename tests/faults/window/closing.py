@@ -72,7 +72,6 @@ def compare_with_truth(window: MainWindow, folder: Path) -> None:
 
 def compare_two_results(window: MainWindow, folder: Path) -> None:
     compared = window.workspace.comparison
-    compared.keep_current()
     compared.select_row(max(compared.rows))
 
 

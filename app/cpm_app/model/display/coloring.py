@@ -10,7 +10,7 @@ from cpm_app.model.display.lengths import round_up
 from cpm_app.model.display.plots import RunMetrics
 from cpm_app.model.text.language import tr
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Pixels, frozen, record
+from cpm_core.numerics.types import Pixels, frozen
 from cpm_core.segmentation import MethodState
 
 SHADE_COUNT = 32
@@ -69,24 +69,16 @@ QUANTITIES = {
 }
 
 
-@record
-class ParticleColors:
-    """Colors of particles.
+def color_particles(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> tuple[Pixels, float]:
+    """Color all particles of a state; a larger quantity never has a lower color.
 
-    Attributes
-    ----------
+    Returns
+    -------
     color_indices : ndarray of uint8, shape (N,)
         Color of each particle, from 0 to `SHADE_COUNT` - 1; `SHADE_COUNT` where the value is not known.
     high : float
         Value of the last color; the first one is 0.
     """
-
-    color_indices: Pixels
-    high: float
-
-
-def color_particles(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> ParticleColors:
-    """Return the colors of all particles of a state; a larger quantity never has a lower color."""
     values = quantity.measure(state, metrics)
     unknown = np.isnan(values)
     end = float(np.nanpercentile(values, _RANGE_PERCENTILE)) if not unknown.all() else 0.0
@@ -95,4 +87,4 @@ def color_particles(quantity: Quantity, state: MethodState, metrics: RunMetrics)
     fraction[unknown] = 0.0
     marks = np.clip(np.rint(fraction * (SHADE_COUNT - 1)), 0, SHADE_COUNT - 1).astype(np.uint8)
     marks[unknown] = SHADE_COUNT
-    return ParticleColors(marks, high)
+    return marks, high

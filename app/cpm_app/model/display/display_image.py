@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -208,6 +209,7 @@ def shade_area(area: Mask) -> Pixels:
     return shades
 
 
+@lru_cache(maxsize=1)
 def measure_area_share(shown: DisplayImage) -> float:
     """Return the share of an image, from 0 to 1, that an area shaded by `shade_area` covers."""
     return float((np.asarray(shown.levels[0]) > 0).mean())

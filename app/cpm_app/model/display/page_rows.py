@@ -28,6 +28,8 @@ class PageRow:
         Measures of the contour.
     is_object : bool
         Whether it is an object that has been accepted.
+    index : int
+        Index of the contour on its page.
     row, col : float
         Its center [px].
     gray : float or None
@@ -44,6 +46,7 @@ class PageRow:
     gray: float | None
     event: str
     is_object: bool = False
+    index: int = 0
 
 
 def collect_page_rows(found: StackResult) -> tuple[PageRow, ...]:
@@ -57,7 +60,8 @@ def _build_rows_of_page(page: Page, tracks: dict[int, Track], first: int) -> lis
     if page.result is None:
         return [PageRow(page.number, 0, None, 0.0, 0.0, None, translate_core_text(page.error))]
     rows = []
-    for contour, measures in zip(page.contours, measure(page.contours, page.result.spacing), strict=True):
+    for index, measures in enumerate(measure(page.contours, page.result.spacing)):
+        contour = page.contours[index]
         if contour.hole:
             continue
         track, happens = tracks[contour.number], []
@@ -67,5 +71,5 @@ def _build_rows_of_page(page: Page, tracks: dict[int, Track], first: int) -> lis
             happens.append(_TRACK_END_TEXTS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
         row, col = compute_centroid(contour)
         said, gray = ", ".join(happens), contour.gray
-        rows.append(PageRow(page.number, contour.number, measures, row, col, gray, said, contour.group > 0))
+        rows.append(PageRow(page.number, contour.number, measures, row, col, gray, said, contour.group > 0, index))
     return rows

@@ -160,6 +160,11 @@ class Document:
         chosen = self.outlined.objects
         return tuple(packed for item in self.objects.items if item.number in chosen for packed in item.surface)
 
+    @property
+    def skeleton_inputs(self) -> tuple[object, ...]:
+        """Everything but the image and the parameters that a skeleton depends on."""
+        return self.outlines, self.outlined_surfaces, () if self.regions is None else self.regions.interest
+
     def collect_seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> Array:
         """Collect the seeds of the starts, shape (N, D) [px of the image], given those of each of `image_starts`.
 

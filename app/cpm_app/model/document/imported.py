@@ -7,18 +7,16 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-import scipy
 
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.objects import name_class
+from cpm_app.model.document.objects import initial_clicks, name_class
 from cpm_app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
-from cpm_core.contours import Label, PackedSurface, extract_object_surface, voxelize_surface
+from cpm_core.contours import Label, PackedSurface, extract_object_surface
 from cpm_core.contours.contour import Contours
 from cpm_core.formats import ContourFile
-from cpm_core.numerics import Place
-from cpm_core.numerics.types import Extent, Texts, record
-from cpm_core.objects.segmented import Click, SegmentedObject, round_line
+from cpm_core.numerics.types import Texts, record
+from cpm_core.objects.segmented import SegmentedObject, round_line
 from cpm_core.shapes import Points, Polygon, Stroke, start_from_surface, starts_from_centerlines, starts_from_contours
 
 MAX_IMPORTED = 1000
@@ -133,10 +131,10 @@ def objects_from_surface(surface: Surface, volume: Image) -> tuple[SegmentedObje
         numbers = range(1, len(bodies) + 1)
     known = {label.number: label for label in surface.labels}
     labels = [known.get(number, Label(number)) for number in numbers]
-    return tuple(
+    items = (
         SegmentedObject(
             label.number,
-            (Click((_find_innermost_voxel(body, volume.shape),)),),
+            (),
             name=label.name,
             color=label.color,
             confidence=1.0,
@@ -144,19 +142,7 @@ def objects_from_surface(surface: Surface, volume: Image) -> tuple[SegmentedObje
         )
         for label, body in zip(labels, bodies, strict=True)
     )
-
-
-def _find_innermost_voxel(body: Surface, shape: Extent) -> Place:
-    """Return the voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
-    vertices = body.vertices[np.unique(body.faces)]
-    first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
-    size = np.clip(np.ceil(vertices.max(axis=0)) + 1, first, shape).astype(np.int64) - first
-    inside = voxelize_surface(replace(body, vertices=body.vertices - first), tuple(size.tolist()))
-    if not inside.any():
-        return tuple(vertices[0].tolist())
-    depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1), sampling=body.spacing)[1:-1, 1:-1, 1:-1]
-    deepest = np.unravel_index(int(np.argmax(depth)), inside.shape)
-    return tuple((deepest + first).astype(float).tolist())
+    return tuple(replace(item, clicks=initial_clicks(item, volume.shape)) for item in items)
 
 
 def add_objects(document: Document, imported: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:

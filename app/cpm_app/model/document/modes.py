@@ -108,16 +108,6 @@ def switch_mode(document: Document, mode: Mode) -> Document:
     return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=SkeletonTarget())
 
 
-def differs_only_in_mode(document: Document, known: Document) -> bool:
-    """Tell whether changes of the mode alone, one or several, lead from one document to another."""
-    began = {known.shapes, adapt_shapes_to_mode("automatic", known.shapes), adapt_shapes_to_mode("shape", known.shapes)}
-    shapes = {adapt_shapes_to_mode(document.mode, before) for before in began}
-    parameters = replace(initial_parameters(document.mode, known.image), channel=known.parameters.channel)
-    return document.shapes in shapes and document == replace(
-        known, mode=document.mode, shapes=document.shapes, parameters=parameters, outlined=SkeletonTarget()
-    )
-
-
 def switch_to_skeleton(document: Document, outlined: SkeletonTarget) -> Document:
     """Switch to the mode of skeletons, for given objects and contours, or for the image if there are none."""
     there = document if document.mode == "skeleton" else switch_mode(document, "skeleton")

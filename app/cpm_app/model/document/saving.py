@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from cpm_app.model.document.document import Document, ImageReference, Mode
-from cpm_app.model.document.modes import MODES, differs_only_in_mode
+from cpm_app.model.document.modes import MODES, switch_mode
 from cpm_app.model.text.language import tr
 from cpm_core import Parameters
 from cpm_core.formats import ImageFile, SessionFile
@@ -48,7 +48,8 @@ def describe_changes(document: Document, known: Document | None) -> Texts:
 
     Objects are counted. Without a known document, as after a crash, everything differs.
     """
-    if known is not None and (document == known or differs_only_in_mode(document, known)):
+    alike = known is not None and switch_mode(document, "shape") == switch_mode(known, "shape")
+    if alike and document in (known, switch_mode(document, document.mode)):
         return ()
     before = known or Document(document.image, parameters=document.parameters, mode=document.mode)
     saved = {item.number: item for item in before.objects.items}

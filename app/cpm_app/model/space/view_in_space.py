@@ -33,15 +33,23 @@ _OBJECT_OFFSET_RADII = 1.5
 """Smallest distance that objects are drawn nearer than they are [radii of a particle]."""
 
 
-@frozen
-class SpaceStyle:
-    """Colors of everything without a color of its own, and the radius of a particle [px]."""
+BACKGROUND_COLOR: RgbColor = (0x14, 0x16, 0x1A)
+"""Color behind everything: that of the canvas."""
 
-    background: RgbColor = (24, 26, 30)
-    edges: RgbColor = (120, 126, 136)
-    outside: RgbColor = (214, 164, 120)
-    inside: RgbColor = (120, 150, 200)
-    radius: float = 2.0
+_EDGE_COLOR: RgbColor = (120, 126, 136)
+"""Color of the edges of the box that are no axes."""
+
+_OUTSIDE_COLOR: RgbColor = (214, 164, 120)
+"""Color of the surface of a run from outside."""
+
+_INSIDE_COLOR: RgbColor = (120, 150, 200)
+"""Color of the surface of a run from inside, where it is cut open."""
+
+_PARTICLE_RADIUS = 2.0
+"""Radius of a particle [px of the screen]."""
+
+_MIN_PARTICLE_RADIUS = 0.6
+"""Smallest radius of a particle in a coarse picture [px of the picture]."""
 
 
 @frozen
@@ -132,9 +140,12 @@ class ViewInSpace:
         axis = self.shown.cut_axis
         return None if axis is None else CutPlane(axis, self.shown.cut_at * self.lengths[axis])
 
-    def render_picture(self, camera: Camera, size: tuple[int, int], style: SpaceStyle) -> Picture:
-        """Draw everything that is shown in a picture of `size` rows and columns."""
-        picture, shown, spacing = Picture.blank(size, style.background), self.shown, self.image.spacing
+    def render_picture(self, camera: Camera, size: tuple[int, int], coarseness: int = 1) -> Picture:
+        """Draw everything that is shown in a picture of `size` rows and columns.
+
+        `coarseness` is the size of a pixel of the picture [px of the screen].
+        """
+        picture, shown, spacing = Picture.blank(size, BACKGROUND_COLOR), self.shown, self.image.spacing
         if shown.projection:
             draw_projection(picture, self.shaded, camera, spacing, self.table)
         if shown.slices:
@@ -142,45 +153,52 @@ class ViewInSpace:
                 shades = apply_window(place.slice_array(self.shaded.values), self.shaded.window)
                 draw_slice(picture, place, self.table[shades], camera, spacing)
         if shown.box:
-            self._draw_box(picture, camera, style)
+            self._draw_box(picture, camera)
         if self.wires is not None:
             places = self.wires.ends.reshape(-1, 3) * np.array(spacing)
             draw_lines(picture, camera.project(places, size), self.wires.colors)
-        self.draw_particles(picture, self.particles, camera, style)
+        self.draw_particles(picture, self.particles, camera, coarseness)
         if shown.opacity > 0.0:
-            self._draw_surfaces(picture, camera, style)
+            self._draw_surfaces(picture, camera, coarseness)
         return picture
 
     def draw_particles(
-        self, picture: Picture, particles: ShownParticles | None, camera: Camera, style: SpaceStyle
+        self, picture: Picture, particles: ShownParticles | None, camera: Camera, coarseness: int = 1
     ) -> None:
-        """Draw particles into a picture, if they are shown."""
+        """Draw particles into a picture, if they are shown; see `render_picture`."""
         if particles is not None and self.shown.particles:
             places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
             if cut is not None:
                 kept = cut.distance_before(places) <= 0.0
                 places, colors = places[kept], colors[kept]
-            draw_balls(picture, camera.project(places, picture.size), colors, particles.size * style.radius)
+            radius = particles.size * _find_particle_radius(coarseness)
+            draw_balls(picture, camera.project(places, picture.size), colors, radius)
 
-    def _draw_surfaces(self, picture: Picture, camera: Camera, style: SpaceStyle) -> None:
+    def _draw_surfaces(self, picture: Picture, camera: Camera, coarseness: int) -> None:
         """Draw the objects and the surface with one opacity, as an object often is the surface."""
         opaque = self.shown.opacity >= 1.0
-        nearest = picture if opaque else Picture.blank(picture.size, style.background)
+        nearest = picture if opaque else Picture.blank(picture.size, BACKGROUND_COLOR)
         # a little nearer than the surface of the run, whose triangles they share, and than its particles
-        by = max(_OBJECT_OFFSET_VOXELS * min(self.image.spacing), _OBJECT_OFFSET_RADII * style.radius / camera.scale)
+        radius = _find_particle_radius(coarseness) / camera.scale
+        by = max(_OBJECT_OFFSET_VOXELS * min(self.image.spacing), _OBJECT_OFFSET_RADII * radius)
         nearer = replace(camera, center=camera.center + by * camera.axes[2])
         for each in (*(self.objects if self.shown.objects else ()), *self.truth):
             draw_mesh(nearest, each.mesh, nearer, each.color, each.color, self.cut)
         if self.mesh is not None and self.shown.surface:
-            draw_mesh(nearest, self.mesh, camera, style.outside, style.inside, self.cut)
+            draw_mesh(nearest, self.mesh, camera, _OUTSIDE_COLOR, _INSIDE_COLOR, self.cut)
         if not opaque:
             picture.overlay_picture(nearest, self.shown.opacity)
 
-    def _draw_box(self, picture: Picture, camera: Camera, style: SpaceStyle) -> None:
+    def _draw_box(self, picture: Picture, camera: Camera) -> None:
         """Draw twelve edges; the three at the first voxel are the axes, in their own colors."""
         corners = np.array(list(product((0.0, 1.0), repeat=3)))
         first = np.stack([corners[corners[:, axis] == 0.0] for axis in range(3)])
         ends = np.stack([first, first + np.eye(3)[:, None]], axis=2).reshape(-1, 3)
-        colors = np.tile(style.edges, (12, 1))
+        colors = np.tile(_EDGE_COLOR, (12, 1))
         colors[::4] = AXIS_COLORS
         draw_lines(picture, camera.project(ends * self.lengths, picture.size), colors.astype(np.uint8))
+
+
+def _find_particle_radius(coarseness: int) -> float:
+    """Return the radius of a particle in a picture [px of the picture]."""
+    return max(_PARTICLE_RADIUS / coarseness, _MIN_PARTICLE_RADIUS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+from PIL import Image
 
 from cpm_app.model.display.display_image import IntensityWindow, apply_window
 from cpm_app.model.space.camera import Camera
@@ -112,17 +113,13 @@ def draw_slice(picture: Picture, cut: Slice, colors: Pixels, camera: Camera, spa
     origin = onto[:, across] * cut.index * spacing[across] - onto @ camera.first_pixel_position(picture.size)
     voxels = np.stack([onto[:, down] * spacing[down], onto[:, right] * spacing[right], origin], axis=1)
     back = np.linalg.inv(np.vstack([voxels[1::-1], (0.0, 0.0, 1.0)]))  # from row and column of the picture to the slice
-    picture.draw_in_bands(_draw_slice, colors, np.vstack([back[:2], voxels[2] @ back]))
-
-
-@compiled
-def _draw_slice(colors: Pixels, places: Array, shown: Pixels, depths: Single, begin: int, end: int) -> None:
-    """Color each pixel that a slice covers; `places` maps pixels to row and column of the slice, and depth."""
-    for row in range(begin, end):
-        for col in range(depths.shape[1]):
-            i = int(np.floor(places[0, 0] * row + places[0, 1] * col + places[0, 2] + 0.5))
-            j = int(np.floor(places[1, 0] * row + places[1, 1] * col + places[1, 2] + 0.5))
-            depth = np.float32(places[2, 0] * row + places[2, 1] * col + places[2, 2])
-            if depth < depths[row, col] and 0 <= i < colors.shape[0] and 0 <= j < colors.shape[1]:
-                depths[row, col] = depth
-                shown[row, col] = colors[i, j]
+    height, width = picture.size
+    # Pillow counts columns before rows, from the corner of the first pixel
+    onward = back[1::-1, 1::-1]
+    places = np.column_stack([onward, back[1::-1, 2] + 0.5 - 0.5 * onward.sum(axis=1)])
+    whole = Image.fromarray(np.ascontiguousarray(colors)).convert("RGBA")
+    seen = np.asarray(whole.transform((width, height), Image.Transform.AFFINE, places.ravel().tolist()))
+    by_row, by_col, first = voxels[2] @ back
+    depths = (by_row * np.arange(height)[:, None] + by_col * np.arange(width) + first).astype(np.float32)
+    shown = (seen[..., 3] > 0) & (depths < picture.depths)
+    picture.colors[shown], picture.depths[shown] = seen[shown, :3], depths[shown]

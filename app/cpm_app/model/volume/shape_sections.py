@@ -11,13 +11,14 @@ import numpy as np
 from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import cut_body
 from cpm_core.field import CHARGE_RADIUS
-from cpm_core.numerics import Array, Position
+from cpm_core.numerics import Array, Position, polyline
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Line, Sides, frozen
+from cpm_core.numerics.types import Line, Sides, record
 from cpm_core.shapes import (
     Barrier,
     Box,
     BoxGrid,
+    BoxRegion,
     BoxThreshold,
     Charge,
     Cuboid,
@@ -26,17 +27,15 @@ from cpm_core.shapes import (
     EnclosingWall,
     Everywhere,
     Extruded,
-    Grid,
     Interest,
     Points,
     Polygon,
     PrismRegion,
-    Region,
     Shape,
     Sphere,
     Stroke,
     Threshold,
-    WithoutOutline,
+    Wall,
 )
 from cpm_core.shapes.path import MIN_SIZE
 
@@ -47,107 +46,45 @@ _IN_SLICE_DISTANCE = 0.5
 """Largest distance of a point that lies in a slice [voxels]."""
 
 
-@frozen
-class StartSection:
-    """Cut of a start by a slice: a line or an area, with the handles and particles of the start in the slice."""
-
-    line: Ellipse | Polygon | Grid
-    slice_handles: Line
-    particles: Array = field(compare=False)
-
-    @property
-    def outline(self) -> Array:
-        """The line, shape (K, 2)."""
-        return self.line.outline
-
-    def handles(self) -> Line:
-        """Return the handles of the start in the slice."""
-        return self.slice_handles
-
-    def seeds(self) -> Array:
-        """Return the particles of the start near the slice, shape (N, 2)."""
-        return self.particles
-
-    def distance_to(self, position: Position) -> float:
-        """Return the distance of a position from the line [px]."""
-        return self.line.distance_to(position)
-
-    def encloses(self, position: Position) -> bool:
-        """Tell whether a position lies inside."""
-        return self.line.encloses(position)
-
-
-@frozen
-class RegionSection(Region):
-    """Cut of a region of interest by a slice."""
-
-    slice_handles: Line = ()
-
-    def handles(self) -> Line:
-        """Return the handles of the shape in this slice."""
-        return self.slice_handles
-
-
-@frozen
-class RegionElsewhere(Region):
-    """A region of interest that a slice does not cut: nothing in the slice lies inside it."""
-
-    points: Line = ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
-
-    @property
-    def outline(self) -> Array:
-        """Empty, shape (0, 2)."""
-        return np.empty((0, 2))
-
-    def handles(self) -> Line:
-        """Return no handles."""
-        return ()
-
-    def distance_to(self, position: Position) -> float:
-        """Return infinity."""
-        return math.inf
-
-
-@frozen
-class ChargeSection(WithoutOutline):
-    """A charge that acts in a slice.
+@record
+class Cut:
+    """What a slice shows of a shape of a volume.
 
     Attributes
     ----------
-    position : tuple of float
-        The nearest position in the slice.
-    strength : float
-        Strength of the charge.
-    away : float
-        Distance of the charge from the slice, in smallest sides of a voxel.
-    sides : tuple of float
-        Sides of a voxel in the slice, in smallest sides of a voxel.
+    shape : Shape
+        The shape.
+    outline : ndarray, shape (K, 2)
+        Line in the slice, of a charge its position; empty where the slice shows only the effect of the shape.
+    held : tuple of tuple of float
+        Handles of the shape in the slice.
+    particles : ndarray, shape (N, 2)
+        Particles of the shape near the slice.
     """
 
-    position: Position
-    strength: float
-    away: float
-    sides: tuple[float, float]
+    shape: Shape
+    outline: Array
+    held: Line = ()
+    particles: Array = field(default_factory=lambda: np.empty((0, 2)))
 
-    @property
-    def in_slice(self) -> bool:
-        """Whether the charge itself lies in the slice."""
-        return self.away <= NEAR_SLICE_DISTANCE
+    def handles(self) -> Line:
+        """Return the handles of the shape in the slice."""
+        return self.held
 
-    def cut_sphere_around(self, radius: float) -> Array:
-        """Return the circle in which the slice cuts a sphere around the charge, shape (K, 2); empty if it does not."""
-        cut = math.sqrt(max(radius**2 - self.away**2, 0.0))
-        if cut < MIN_SIZE:
-            return np.empty((0, 2))
-        down, right = self.sides
-        return Ellipse(self.position, (max(cut / right, MIN_SIZE), max(cut / down, MIN_SIZE))).outline
+    def seeds(self) -> Array:
+        """Return the particles of the shape near the slice, shape (N, 2)."""
+        return self.particles
 
     def distance_to(self, position: Position) -> float:
-        """Return the distance of a position from the charge [px]; infinite where the slice shows only its effect."""
-        return math.dist(self.position, position) if self.in_slice else math.inf
+        """Return the distance of a position from the line [px]; infinite without one."""
+        return polyline.distance_to_path(self.outline, position) if len(self.outline) else math.inf
+
+    def encloses(self, position: Position) -> bool:
+        """Tell whether a position lies inside."""
+        return len(self.outline) > 2 and bool(polyline.points_inside(self.outline, np.array([position]))[0])
 
 
-Section = Shape | StartSection | ChargeSection
+Section = Shape | Cut
 
 
 def cut_shape(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
@@ -157,7 +94,8 @@ def cut_shape(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tupl
     shown.
     """
     found = tuple(_iterate_cuts(shape, here, sides))
-    return (RegionElsewhere(),) if not found and isinstance(shape, Interest) else found
+    # nothing in the slice lies inside a region of interest that it does not cut
+    return (Cut(shape, np.empty((0, 2))),) if not found and isinstance(shape, Interest) else found
 
 
 def _iterate_cuts(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
@@ -165,21 +103,21 @@ def _iterate_cuts(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
         circle = cut_sphere(shape, here)
         if circle is not None:
             near = _select_near(shape.seeds(), here, NEAR_SLICE_DISTANCE / shape.sides[here.axis])
-            yield StartSection(circle, circle.handles()[:4], _keep_one_per_pixel(near))
+            yield Cut(shape, circle.outline, circle.handles()[:4], _keep_one_per_pixel(near))
     elif isinstance(shape, Everywhere):
         yield shape
-    elif isinstance(shape, Cuboid):
+    elif isinstance(shape, Box | BoxGrid | BoxThreshold | BoxRegion):
         yield from _cut_box(shape, here)
-    elif isinstance(shape, Extruded):
+    elif isinstance(shape, PrismRegion | Wall):
         yield from _cut_extruded(shape, here)
     elif isinstance(shape, EnclosedRegion | EnclosingWall):
         for line in cut_body(shape.surface, here):
-            yield RegionSection(line) if isinstance(shape, EnclosedRegion) else Barrier((*line, line[0]))
+            yield Cut(shape, _close_line(line)) if isinstance(shape, EnclosedRegion) else Barrier((*line, line[0]))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
         away = abs(shape.position[here.axis] - here.index) * sides[here.axis]
         if away <= CHARGE_RADIUS:
-            down, right = here.drop_axis(sides)
-            yield ChargeSection(here.drop_axis(shape.position), shape.strength, away, (down, right))
+            places = [here.drop_axis(shape.position)] if away <= NEAR_SLICE_DISTANCE else []
+            yield Cut(shape, np.array(places, float).reshape(-1, 2))
     elif isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
         if all(abs(place[here.axis] - here.index) <= _IN_SLICE_DISTANCE for place in shape.points):
             yield replace(shape, points=tuple(map(here.drop_axis, shape.points)))
@@ -211,26 +149,24 @@ def _build_section_circle(sphere: Sphere, here: Slice, radius: float) -> Ellipse
     return Ellipse(here.drop_axis(sphere.center), (max(radius / right, MIN_SIZE), max(radius / down, MIN_SIZE)))
 
 
-def _cut_box(box: Cuboid, here: Slice) -> Iterator[Section]:
+def _cut_box(box: Box | BoxGrid | BoxThreshold | BoxRegion, here: Slice) -> Iterator[Section]:
     if not box.first[here.axis] - _IN_SLICE_DISTANCE <= here.index <= box.last[here.axis] + _IN_SLICE_DISTANCE:
         return
     (top, left), (bottom, right) = here.drop_axis(box.first), here.drop_axis(box.last)
     corners = ((top, left), (top, right), (bottom, right), (bottom, left))
     row, col = 0.5 * (top + bottom), 0.5 * (left + right)
     held = (*corners, (top, col), (row, right), (bottom, col), (row, left))
+    if isinstance(box, BoxThreshold):
+        yield Threshold(corners, box.fraction)
+        return
+    near = np.empty((0, 2))
     if isinstance(box, Box):
-        yield StartSection(
-            Polygon(corners),
-            held,
-            _keep_one_per_pixel(_select_near(box.seeds(), here, max(NEAR_SLICE_DISTANCE, 0.6 * box.particle_spacing))),
-        )
+        reach = max(NEAR_SLICE_DISTANCE, 0.6 * box.particle_spacing)
+        near = _keep_one_per_pixel(_select_near(box.seeds(), here, reach))
     elif isinstance(box, BoxGrid):
         reach = max(NEAR_SLICE_DISTANCE, 0.5 * box.spacing) / box.sides[here.axis]
-        yield StartSection(Grid(corners, box.spacing), held, _select_near(box.seeds(), here, reach))
-    elif isinstance(box, BoxThreshold):
-        yield Threshold(corners, box.fraction)
-    else:
-        yield RegionSection(corners, slice_handles=held)
+        near = _select_near(box.seeds(), here, reach)
+    yield Cut(box, _close_line(corners), held, near)
 
 
 def _keep_one_per_pixel(places: Array) -> Array:
@@ -239,7 +175,7 @@ def _keep_one_per_pixel(places: Array) -> Array:
     return places[np.sort(first)]
 
 
-def _cut_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
+def _cut_extruded(shape: PrismRegion | Wall, here: Slice) -> Iterator[Section]:
     """Yield the line itself in the slices that it was drawn in, and its cuts in others.
 
     A closed line gives a strip for each stretch inside, an open one a line at each crossing.
@@ -247,7 +183,7 @@ def _cut_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     if here.axis == shape.axis:
         if shape.first - _IN_SLICE_DISTANCE <= here.index <= shape.last + _IN_SLICE_DISTANCE:
             flat = shape.flat(shape.points)
-            yield RegionSection(flat.points, slice_handles=flat.handles()) if isinstance(flat, Region) else flat
+            yield flat if isinstance(flat, Barrier) else Cut(shape, flat.outline, flat.handles())
         return
     if shape.last <= shape.first:
         return
@@ -269,12 +205,16 @@ def _cut_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
             if end - begin > 1e-6:
                 ends = ((shape.first, begin), (shape.first, end), (shape.last, end), (shape.last, begin))
                 middle = 0.5 * (begin + end)
-                yield RegionSection(
-                    order_axes(*ends), slice_handles=order_axes((shape.first, middle), (shape.last, middle))
-                )
+                held = order_axes((shape.first, middle), (shape.last, middle))
+                yield Cut(shape, _close_line(order_axes(*ends)), held)
     else:
         for at in cuts:
             yield Barrier(order_axes((shape.first, at), (shape.last, at)))
+
+
+def _close_line(corners: Line) -> Array:
+    """Return the vertices of a closed line, shape (K, 2), the first repeated at the end."""
+    return np.array([*corners, corners[0]])
 
 
 _CROSS_ARM = 2.0

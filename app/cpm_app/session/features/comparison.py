@@ -1,8 +1,9 @@
-"""Comparison of results: each with a reference, which is one of them or a ground truth."""
+"""Comparison of results: of what is shown now and the runs on the timeline, with each other or with a ground truth."""
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +18,6 @@ from cpm_app.model.display.differences import (
     find_surface_differences,
 )
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.imported import add_objects, objects_from_contours, objects_from_surface
 from cpm_app.model.document.objects import build_objects_result
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CommandFailed, Reconstruction
@@ -29,7 +29,6 @@ from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.worker.requests import FrameTaken, take_frame
 from cpm_core import (
     Comparison,
-    Contour,
     Image,
     Result,
     SurfaceComparison,
@@ -42,13 +41,14 @@ from cpm_core import (
 )
 from cpm_core.contours import DEFAULT_TOLERANCE, label_voxels, truth_from_contours
 from cpm_core.formats import TruthFile
-from cpm_core.formats.contours import mask
-from cpm_core.numerics.types import JsonDict, record
-from cpm_core.objects.segmented import SegmentedObject
+from cpm_core.numerics.types import record
 from cpm_core.results import boundaries_result
 
 CURRENT_KEY = 0
-"""Key of the present result, which is always compared."""
+"""Key of the present result; branches of the timeline have their numbers."""
+
+TRUTH_KEY = -1
+"""Key of the ground truth."""
 
 _COMPARISON_CATEGORY = "comparing"
 """Category of messages about the comparison."""
@@ -67,17 +67,13 @@ class ComparisonRow:
     Attributes
     ----------
     key : int
-        Its number, which stays the same.
+        What it is: `CURRENT_KEY`, `TRUTH_KEY`, or the number of a branch.
     title : str
         Its name.
     found : Result or None
         Contours or a surface; None while there are none.
     scene : Scene
         Scene of the result, without the image.
-    state : str
-        Progress of the result, or its error; empty once it is there.
-    branch : int or None
-        Branch of the timeline that it is taken from.
     truth : Truth, VolumeTruth or None
         The ground truth, if the row is one.
     """
@@ -86,8 +82,6 @@ class ComparisonRow:
     title: str
     found: Result | None = None
     scene: Scene = field(default_factory=Scene)
-    state: str = ""
-    branch: int | None = None
     truth: Truth | VolumeTruth | None = None
 
     @property
@@ -102,16 +96,13 @@ class ComparisonRow:
             return self.found.surface.components if numbers is None else len(np.unique(numbers))
         return len({contour.group or -index for index, contour in enumerate(self.found.contours, start=1)})
 
-    @property
-    def is_usable(self) -> bool:
-        """Whether the document can take over something from the row."""
-        return self.key != CURRENT_KEY and self.found is not None
-
 
 class ComparedResults(QObject):
-    """Holds results, and compares all of them with the reference on a separate thread.
+    """Compares all results with the reference on a separate thread: with the ground truth, or with what is shown now.
 
-    The canvas shows the selected result beyond the divider. In a volume the tolerance is in smallest sides of a voxel.
+    The canvas shows the selected result beyond the divider. A branch of the timeline is taken when it is selected, at
+    its end, or at the shown step if the run is not at an end. In a volume the tolerance is in smallest sides of a
+    voxel.
     """
 
     changed = Signal()
@@ -121,13 +112,17 @@ class ComparedResults(QObject):
 
     def __init__(self, session: Session, navigation: TimelineNavigation) -> None:
         super().__init__(session)
-        self.reference = self.selected = CURRENT_KEY
-        self.rows = {CURRENT_KEY: ComparisonRow(CURRENT_KEY, tr("Shown now"))}
+        self.selected = CURRENT_KEY
         self.agreements: dict[int, TruthComparison] = {}
         """Agreement with the reference by row."""
         self.tolerance, self.holes = DEFAULT_TOLERANCE, True
+        self._found: dict[int, ComparisonRow] = {}
+        """Branches that have been selected, by their numbers, and the ground truth."""
         self._truth_path: Path | None = None
-        self._keys = itertools.count(1)
+        self._present: Result | None = None
+        """The present result when rows were compared last."""
+        self._titles: dict[int, str] = {}
+        """Names of the branches of the timeline."""
         self._session, self._navigation = session, navigation
         self._seen, self._made = IdentityCache(), IdentityCache()
         self._latest = LatestOnlyWorker(session, "cpm-comparison", tr("comparing results"))
@@ -136,6 +131,22 @@ class ComparedResults(QObject):
         self._quiet.timeout.connect(self._update_current_row)
         session.store.scene_changed.connect(self._on_scene_changed)
         session.image_changed.connect(self.clear)
+        navigation.changed.connect(self._on_timeline_changed)
+
+    @property
+    def rows(self) -> Mapping[int, ComparisonRow]:
+        """The results: what is shown now, the branches of the timeline, and the ground truth."""
+        shown = {CURRENT_KEY: ComparisonRow(CURRENT_KEY, tr("Shown now"), self._present)}
+        for key, title in self._titles.items():
+            shown[key] = replace(self._found.get(key, ComparisonRow(key, "")), title=title)
+        if TRUTH_KEY in self._found:
+            shown[TRUTH_KEY] = self._found[TRUTH_KEY]
+        return shown
+
+    @property
+    def reference(self) -> int:
+        """The row with which all others are compared: the ground truth, or else the present result."""
+        return TRUTH_KEY if TRUTH_KEY in self._found else CURRENT_KEY
 
     @property
     def in_volume(self) -> bool:
@@ -147,48 +158,17 @@ class ComparedResults(QObject):
         """The row whose differences from the reference are marked: the selected one, or else the present result."""
         return self.selected if self.selected != self.reference else CURRENT_KEY
 
-    # Rows
-
-    def keep_current(self) -> None:
-        """Keep the present result, so that later ones can be compared with it."""
-        scene = self._session.scene
-        step = scene.snapshot.state.step if scene.snapshot is not None else 0
-        title = tr("Kept, step {step}", step=step) if step else tr("Kept")
-        shown = Scene(document=scene.document, snapshot=scene.snapshot, reconstruction=scene.reconstruction)
-        self._add_row(ComparisonRow(next(self._keys), title, self._current_result, shown))
-
-    def add_branch(self, identity: int) -> None:
-        """Add another run or branch of the timeline, at its end, or at the shown step if the run is not at an end."""
-        branch = self._navigation.find_branch(identity)
-        if branch is not None:
-            row = ComparisonRow(next(self._keys), branch.name, state=tr("waiting"), branch=identity)
-            self._add_row(row)
-            self._request_branch_frame(row.key)
-
-    def remove_row(self, key: int) -> None:
-        """Remove a row; the present result stays."""
-        if key == CURRENT_KEY or key not in self.rows:
-            return
-        if self.rows.pop(key).truth is not None:
+    def remove_truth(self) -> None:
+        """Remove the ground truth."""
+        if self._found.pop(TRUTH_KEY, None) is not None:
             self._truth_path = None
-        if key == self.selected:
-            self.selected = CURRENT_KEY
-            self.selection_changed.emit()
-        self.set_reference(self.reference if key != self.reference else CURRENT_KEY)
+            self._begin_comparison()
 
     def clear(self) -> None:
-        """Remove all rows, because another image has been opened."""
+        """Forget all results, because another image has been opened."""
         self._latest.drop_waiting()
-        self.rows, self._truth_path, self._made = (
-            {CURRENT_KEY: ComparisonRow(CURRENT_KEY, tr("Shown now"))},
-            None,
-            IdentityCache(),
-        )
-        self.reference = self.selected = CURRENT_KEY
-        self.selection_changed.emit()
-        self.set_reference(CURRENT_KEY)
-
-    # Selection and reference
+        self._found, self._truth_path, self._made = {}, None, IdentityCache()
+        self._begin_comparison()
 
     def select_row(self, key: int) -> None:
         """Show a row beyond the divider; the present result removes the divider."""
@@ -197,30 +177,6 @@ class ComparedResults(QObject):
             self._request_branch_frame()
             self.selection_changed.emit()
             self._compare_rows()
-
-    def set_reference(self, key: int) -> None:
-        """Compare all other rows with this one."""
-        self.reference, self.agreements = key, {}
-        self._show_differences(self.rows[key].truth)
-        self._compare_rows()
-        self.changed.emit()
-
-    def use_row(self, key: int) -> None:
-        """Apply a row to the session: go to its branch, or add its contours as objects."""
-        row, image = self.rows[key], self._session.image
-        found = row.found
-        if row.branch is not None:
-            self._navigation.go_to(row.branch, self._navigation.last_step(row.branch))
-        elif found is not None and image is not None:
-            self._session.tasks.start_task(
-                tr("Adding objects from {name}…", name=row.title),
-                lambda task: _objects_from_row(row, found, image),
-                tr("adding objects from {name}", name=row.title),
-                partial(CommandFailed, category=_COMPARISON_CATEGORY),
-                on_result=lambda made: self._session.edit(
-                    tr("add objects from {name}", name=row.title), lambda document: add_objects(document, made)
-                ),
-            )
 
     def scene_beyond_divider(self) -> Scene:
         """Return the scene that is shown beyond the divider."""
@@ -241,19 +197,17 @@ class ComparedResults(QObject):
             return
         file, generation, holes = Path(path), self._session.store.image_generation, self.holes
 
-        def add_truth(row: ComparisonRow) -> None:
+        def use_truth(row: ComparisonRow) -> None:
             if generation == self._session.store.image_generation:
-                known = (each.key for each in self.rows.values() if each.truth is not None)
-                key, self._truth_path = next(known, CURRENT_KEY) or next(self._keys), file
-                self._add_row(replace(row, key=key))
-                self.set_reference(key)
+                self._found[TRUTH_KEY], self._truth_path = row, file
+                self._begin_comparison()
 
         self._session.tasks.start_task(
             tr("Reading {name}…", name=file.name),
             lambda task: _read_truth(file, image, holes),
             tr("reading {name}", name=file.name),
             partial(CommandFailed, category=_COMPARISON_CATEGORY),
-            on_result=add_truth,
+            on_result=use_truth,
         )
 
     @property
@@ -287,42 +241,48 @@ class ComparedResults(QObject):
 
     # Internal
 
-    def _add_row(self, row: ComparisonRow) -> None:
-        """Add a row, or replace the one with its key; later rows with the same title get a number."""
-        self.rows[CURRENT_KEY] = replace(self.rows[CURRENT_KEY], found=self._current_result)
-        titles = {other.title for other in self.rows.values() if other.key != row.key}
-        names = (f"{row.title} ({number})" if number > 1 else row.title for number in itertools.count(1))
-        self.rows[row.key] = replace(row, title=next(name for name in names if name not in titles))
+    def _begin_comparison(self) -> None:
+        """Compare all rows with another reference."""
+        self.agreements = {}
+        if self.selected not in self.rows:
+            self.selected = CURRENT_KEY
+        self.selection_changed.emit()
+        self._show_differences(self.rows[self.reference].truth)
         self._compare_rows()
         self.changed.emit()
 
-    def _change_row(self, key: int, parts: JsonDict) -> None:
-        if key in self.rows:
-            self.rows[key] = replace(self.rows[key], **parts)
+    def _on_timeline_changed(self) -> None:
+        """Show the branches that there are now."""
+        titles = {branch.identity: branch.name for branch in self._navigation.branches}
+        if titles != self._titles:
+            self._titles = titles
+            self._found = {key: row for key, row in self._found.items() if key in titles or key == TRUTH_KEY}
+            self.select_row(self.selected if self.selected in self.rows else CURRENT_KEY)
+            self._compare_rows()
+            self.changed.emit()
+
+    def _request_branch_frame(self) -> None:
+        """Request the frame of the selected branch of the timeline, at its end or at the current step."""
+        key, (here, step) = self.selected, self._navigation.current_step
+        branch = self._navigation.find_branch(key)
+        if branch is None:
+            return
+        last = self._navigation.last_step(key)
+        wanted = last if step >= self._navigation.last_step(here) else min(step, last)
+        shown = self.rows[key].scene.snapshot
+        if shown is None or shown.state.step != wanted:
+            take = partial(self._on_frame_taken, key, self._session.scene.document)
+            task, generation = BackgroundTask(branch.name), self._session.store.generation
+            self._session.post_command(take_frame(task, generation, key, wanted, True, take))
+
+    def _on_frame_taken(self, key: int, document: Document, frame: FrameTaken) -> None:
+        if frame.snapshot is not None and key in self.rows:
+            shown = Scene(document=Document(mode=document.mode), snapshot=frame.snapshot, reconstruction=frame.contours)
+            self._found[key] = ComparisonRow(key, "", shown.result, shown)
             if key == self.selected:
                 self.selection_changed.emit()
             self._compare_rows()
             self.changed.emit()
-
-    def _request_branch_frame(self, key: int | None = None) -> None:
-        """Request the frame of a branch of the timeline, by default the selected one, at the current step."""
-        row, (here, step) = self.rows[self.selected if key is None else key], self._navigation.current_step
-        if row.branch is None or self._navigation.find_branch(row.branch) is None:
-            return
-        last = self._navigation.last_step(row.branch)
-        wanted = last if step >= self._navigation.last_step(here) else min(step, last)
-        shown = row.scene.snapshot
-        if shown is None or shown.state.step != wanted:
-            take = partial(self._on_frame_taken, row.key, self._session.scene.document)
-            task, generation = BackgroundTask(row.title), self._session.store.generation
-            self._session.post_command(take_frame(task, generation, row.branch, wanted, True, take))
-
-    def _on_frame_taken(self, key: int, document: Document, frame: FrameTaken) -> None:
-        if frame.snapshot is None:
-            self._change_row(key, {"state": frame.message or tr("This run no longer exists.")})
-            return
-        shown = Scene(document=Document(mode=document.mode), snapshot=frame.snapshot, reconstruction=frame.contours)
-        self._change_row(key, {"found": shown.result, "scene": shown, "state": ""})
 
     @property
     def _current_result(self) -> Result | None:
@@ -338,31 +298,31 @@ class ComparedResults(QObject):
 
         This waits for objects of a volume, which change many times while they are painted; their surfaces take long.
         """
-        if len(self.rows) == 1:
+        if not self._found:
             return
         painted = self.in_volume and bool(self._session.document.objects.items)
         if not painted:
             self._update_current_row()
-        if painted or self.rows[self.selected].branch is not None:
+        if painted or self.selected > CURRENT_KEY:
             self._quiet.start()
 
     def _update_current_row(self) -> None:
         """Compare the present result again if it has changed."""
-        found = self._current_result
-        if found is not self.rows[CURRENT_KEY].found:
-            self.rows[CURRENT_KEY] = replace(self.rows[CURRENT_KEY], found=found)
+        if self._current_result is not self._present:
             self._compare_rows()
             self.changed.emit()
 
     def _compare_rows(self) -> None:
         """Compare the rows with the reference; during a run only the one whose differences are marked."""
-        reference, subject, image = self.rows[self.reference], self.rows[self.subject], self._session.image
+        self._present = self._current_result if self._found else None
+        known, image = self.rows, self._session.image
+        reference, subject = known[self.reference], known[self.subject]
         everything = self._session.status.phase != "running"
         rows = [
-            (row.key, row.found) for row in self.rows.values()
+            (row.key, row.found) for row in known.values()
             if row.found is not None and row is not reference and (everything or row is subject)
         ]  # fmt: skip
-        if image is None or reference.found is None or not (rows or reference.key):
+        if image is None or reference.found is None or not rows:
             self.agreements = {}
             self._show_differences(reference.truth)
             return
@@ -407,7 +367,7 @@ def _read_truth(file: Path, image: Image, holes: bool) -> ComparisonRow:
     found = boundaries_result(image.shape, file.name, image.spacing, image.unit, contours=contours, surface=surface)
     _ = truth.objects  # cached on this thread, not on the window's
     scene = Scene(reconstruction=Reconstruction(0, found))
-    return ComparisonRow(CURRENT_KEY, file.name, found, scene, truth=truth)
+    return ComparisonRow(TRUTH_KEY, file.name, found, scene, truth=truth)
 
 
 def _truth_from_row(row: ComparisonRow, holes: bool) -> Truth | VolumeTruth:
@@ -448,22 +408,3 @@ def _find_differences(
         return tuple(sorted(parts, key=lambda part: -part.farthest)), apart
     assert isinstance(agreed, Comparison)
     return find_boundary_differences(found.contours, agreed), ()
-
-
-def _objects_from_row(row: ComparisonRow, found: Result, image: Image) -> tuple[SegmentedObject, ...]:
-    """Make objects of what a row has found."""
-    if found.surface is not None:
-        made = objects_from_surface(found.surface, image) if found.surface.closed else ()
-    elif isinstance(row.truth, Truth):  # from labels, as touching objects each have a boundary of their own
-        made = objects_from_contours(
-            [
-                Contour(points, True, group=number, hole=hole)
-                for number, curves in mask.find_label_outlines(row.truth.objects)
-                for points, hole in curves
-            ]
-        )
-    else:
-        made = objects_from_contours([contour for contour in found.contours if contour.closed])
-    if not made:
-        raise ValueError(tr("There is no closed contour, so there is no object to add."))
-    return made

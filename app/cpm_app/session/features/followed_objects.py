@@ -20,7 +20,6 @@ from cpm_app.session.session import Session
 from cpm_app.session.session_messages import RUNNING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Image, Partition, TrackEvent
-from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import Click, SegmentedObject, selection_from_object
 from cpm_core.pages import FollowedObject, ObjectFollower, limit_scales
 
@@ -32,35 +31,6 @@ ObjectSearch = Callable[[Partition, BackgroundTask], tuple[Proposal, ...]]
 
 _MAX_LISTED_EVENTS = 3
 """Number of events that a message lists; the table has all."""
-
-
-@record
-class PreviousPages:
-    """The last two pages with objects before a page, by number, and the largest number of any object of the stack."""
-
-    source: StackSource
-    pages: tuple[tuple[int, Document], ...]
-    largest_number: int
-
-    def make_follower(self) -> ObjectFollower:
-        """Make a follower of the objects, which reads these pages."""
-        made = ObjectFollower(self.largest_number)
-        for number, document in self.pages:
-            _feed_follower(made, self.source.pages[number - 1], document)
-        return made
-
-    def find_proposals(
-        self, number: int, session: Session, partition: Partition, task: BackgroundTask
-    ) -> tuple[Proposal, ...]:
-        """Find the objects on a page as proposals; parts that have split off get their numbers when accepted."""
-        found, events = self.make_follower().find_on_page(number, partition, task.check_cancelled)
-        items = _make_objects(found, self.pages[-1][1].objects.items)
-        if events:
-            session.tasks.call_in_window(partial(session.messages.show, _describe_events(events)))
-        return tuple(
-            Proposal(one.selection, item.clicks, one.number if one.number == one.origin else 0, ~at, item)
-            for at, (one, item) in enumerate(zip(found, items, strict=True))
-        )
 
 
 class FollowedObjects(QObject):
@@ -82,11 +52,6 @@ class FollowedObjects(QObject):
         """The search for objects to offer, such as those of the previous page; None if there are none."""
         return self._search if self._image is self._session.image else None
 
-    def offer(self, search: ObjectSearch) -> None:
-        """Offer what another search finds on the open image."""
-        self._image, self._search = self._session.image, search
-        self.search_changed.emit()
-
     @property
     def running(self) -> bool:
         """Whether objects are being followed in the background."""
@@ -101,12 +66,12 @@ class FollowedObjects(QObject):
                 tr("There is nothing to follow: accept an object on this page first."), True, RUNNING_CATEGORY
             )
             return
-        documents, former, base = pages.documents, self._previous_pages(pages.number + 1), without_results(here)
-        source, numbers = pages.source, range(pages.number + 1, pages.count + 1)
+        documents, previous, base = pages.documents, self._find_previous_pages(pages.number + 1), without_results(here)
+        source, numbers, largest = pages.source, range(pages.number + 1, pages.count + 1), pages.largest_number
 
         def follow_objects(task: BackgroundTask) -> tuple[list[TrackEvent], int]:
             happened: list[TrackEvent] = []
-            follower, before = former.make_follower(), here
+            follower, before = _make_follower(source, previous, largest), here
             for number in numbers:
                 task.advance((number - numbers[0]) / len(numbers))
                 image, document = source.pages[number - 1], documents.get(number, base)
@@ -132,19 +97,30 @@ class FollowedObjects(QObject):
 
     # Internal
 
-    def _previous_pages(self, number: int) -> PreviousPages:
-        """Return the last pages with objects before a page."""
-        found = ((page, each) for page, each in sorted(self._pages.documents.items()) if page < number)
-        with_objects = [(page, each) for page, each in found if each.objects.items]
-        return PreviousPages(self._pages.source, tuple(with_objects[-2:]), self._pages.largest_number)
+    def _find_previous_pages(self, number: int) -> Sequence[tuple[int, Document]]:
+        """Find the last two pages with objects before a page."""
+        known = sorted(self._pages.documents.items())
+        return [(page, each) for page, each in known if page < number and each.objects.items][-2:]
 
     def _on_page_changed(self) -> None:
         """Offer the followed objects on an opened page that has no objects yet."""
         session, number = self._session, self._pages.number
         if self._image is not session.image:
-            self._image, former = session.image, self._previous_pages(number)
-            offers = former.pages and not session.document.objects.items
-            self._search = partial(former.find_proposals, number, session) if offers else None
+            self._image, previous = session.image, self._find_previous_pages(number)
+            source, largest = self._pages.source, self._pages.largest_number
+
+            def find_proposals(partition: Partition, task: BackgroundTask) -> tuple[Proposal, ...]:
+                follower = _make_follower(source, previous, largest)
+                found, events = follower.find_on_page(number, partition, task.check_cancelled)
+                if events:
+                    session.tasks.call_in_window(partial(session.messages.show, _describe_events(events)))
+                items = _make_objects(found, previous[-1][1].objects.items)
+                return tuple(  # parts that have split off get their numbers when accepted
+                    Proposal(one.selection, item.clicks, one.number if one.number == one.origin else 0, ~at, item)
+                    for at, (one, item) in enumerate(zip(found, items, strict=True))
+                )
+
+            self._search = find_proposals if previous and not session.document.objects.items else None
             self.search_changed.emit()
 
     def _accept_on_page(self, number: int, image: ImageReference, items: tuple[SegmentedObject, ...]) -> None:
@@ -173,6 +149,14 @@ class FollowedObjects(QObject):
         if lost:
             messages.append(tr("Page {number}: no object was found again. Accept one there to follow it.", number=lost))
         self._session.messages.show(" ".join(messages) or tr("The objects were followed through all pages."))
+
+
+def _make_follower(source: StackSource, pages: Sequence[tuple[int, Document]], largest_number: int) -> ObjectFollower:
+    """Make a follower of the objects of pages, which are read here; no object has a number above the largest."""
+    made = ObjectFollower(largest_number)
+    for number, document in pages:
+        _feed_follower(made, source.pages[number - 1], document)
+    return made
 
 
 def _feed_follower(follower: ObjectFollower, image: Image, document: Document) -> None:

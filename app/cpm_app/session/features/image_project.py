@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import os
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
 from functools import partial
@@ -9,6 +12,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from cpm_app.model.document.document import ImageReference
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.document.project import (
     ImageRow,
@@ -17,14 +21,15 @@ from cpm_app.model.document.project import (
     list_images_of,
     settings_of,
 )
+from cpm_app.model.document.saving import from_session_file
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, OpeningFailed, WorkFinished
-from cpm_app.session.features.followed_objects import FollowedObjects
+from cpm_app.session.features.kept_pages import run_recorded
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_rows import ItemKey
-from cpm_app.session.features.prepared_image import PreparedImage, prepare_proposals
 from cpm_app.session.features.project_table import write_table
+from cpm_app.session.features.selector import MAX_OFFERED_PIXELS
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import (
@@ -38,19 +43,26 @@ from cpm_app.session.session_messages import (
 from cpm_app.session.storage.session_file import DocumentFile, SessionWritten
 from cpm_app.session.tasks.opening import list_images
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
+from cpm_core import load_image
 from cpm_core.formats import (
     ImageState,
     Project,
     ProjectImage,
     SessionFile,
+    adapt_reading,
     load_project,
     make_project_folder,
     project_session,
     update_project,
 )
+from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.numerics.types import record
+from cpm_core.pages import limit_scales
 from cpm_core.results import is_likely
 from cpm_core.shapes import Everywhere
+
+_BACKGROUND_NICENESS = 10
+"""How much the thread that prepares the next image gives way to others, as the system counts it."""
 
 _SAVE_DELAY = 5000
 """Time from a change until the work on the open image is saved, together with all changes in between [ms]."""
@@ -107,12 +119,9 @@ class ImageProject(QObject):
     image_wanted = Signal(object)
     """The user goes on to an image: its path."""
 
-    def __init__(
-        self, session: Session, object_list: ObjectList, pages: StackPages, followed_objects: FollowedObjects
-    ) -> None:
+    def __init__(self, session: Session, object_list: ObjectList, pages: StackPages) -> None:
         super().__init__(session)
-        self._session, self._list = session, object_list
-        self._pages, self._followed_objects = pages, followed_objects
+        self._session, self._list, self._pages = session, object_list, pages
         self._file: DocumentFile
         self._content = FolderContent()
         self.current: Path | None = None
@@ -124,11 +133,10 @@ class ImageProject(QObject):
         self._shown: object = None
         """State and number of objects of the open image, as last announced."""
         self._writing = self._preparing = ENDED_TASK
-        self._prepared_path: Path | None = None
-        """The image that is run before it is opened."""
         self._prepared_after: Path | None = None
-        """The open image when that was last considered."""
-        self._prepared: PreparedImage | None = None
+        """The open image when it was last considered which one is next."""
+        self._prepared: dict[Path, tuple[SessionFile, SessionFile]] = {}
+        """The image that has been run before it is opened, with the settings, and these with its run."""
         self._asked: object = None
         """Image, mark and the proposals that would be lost, as the last message about such said."""
         self._saving_fails = False
@@ -205,12 +213,12 @@ class ImageProject(QObject):
 
     def open_image(self, path: Path) -> None:
         """Open an image of the project with its session; an untouched one begins with the settings of the project."""
-        image, settings, prepared = self._find_image(path), self._content.project.settings, self._prepared
+        image, settings = self._find_image(path), self._content.project.settings
         if image is None:
             return
         self._wanted, session = image, project_session(image)
-        if settings is not None and prepared is not None and (prepared.path, prepared.settings) == (image, settings):
-            settings = prepared.settings_with_runs
+        made_of, prepared = self._prepared.get(image, (None, None))
+        settings = prepared if prepared is not None and made_of == settings else settings
         self._session.open_file(session if session.is_file() else image, resumes=True, settings=settings)
 
     def go_to_next(self) -> None:
@@ -344,7 +352,7 @@ class ImageProject(QObject):
     def _use_folder(self, content: FolderContent) -> None:
         self._preparing.cancel()
         self._content, self.current, self._wanted = content, None, None
-        self._prepared = self._prepared_path = self._prepared_after = None
+        self._prepared, self._prepared_after = {}, None
 
     def _begin(self, content: FolderContent) -> None:
         self._use_folder(content)
@@ -367,54 +375,41 @@ class ImageProject(QObject):
         self._wanted = self.current
         if self.current != before:  # and not another page of it
             self._first_settings = self._read_settings()
-            if self.proposes:
-                QTimer.singleShot(0, self, self._propose)
+            if self.proposes and not (opened.saved and opened.saved.file.runs):
+                QTimer.singleShot(0, self, self._run_untouched)
         self.changed.emit()
 
-    def _propose(self) -> None:
-        """Offer the proposals on the open image if it is untouched, or run it, which ends with proposals."""
-        document, prepared = self._session.document, self._prepared
-        if self.current is None or self.state != "untouched" or document.image is None:
-            return
-        if not any(isinstance(start, Everywhere) for start in document.starts):
-            return
-        if self._prepared_path == self.current and not self._preparing.is_over:
-            return  # its proposals are on the way
-        made_of = self.current, document.image.sha256, self._content.project.settings
-        if prepared is not None and (prepared.path, prepared.sha256, prepared.settings) == made_of:
-            proposals = prepared.proposals
-            if proposals is not None:
-                self._followed_objects.offer(lambda *_: proposals)
-                return
-        self._session.run()
+    def _run_untouched(self) -> None:
+        """Run the open image if it is untouched, which ends with proposals."""
+        self._preparing.cancel()
+        starts_everywhere = any(isinstance(start, Everywhere) for start in self._session.document.starts)
+        if self.current is not None and self.state == "untouched" and starts_everywhere:
+            self._session.run()
 
     def _prepare_next(self) -> None:
-        """Once there are proposals on the open image, make those on the image that will be next."""
+        """Once there are proposals on the open image, run the one that will be next."""
         project, current = self._content.project, self.current
-        if not (project.proposes and project.settings and self._session.scene.objects.proposals):
+        settings = project.settings
+        if settings is None or not (project.proposes and self._session.scene.objects.proposals):
             return
         if self._prepared_after == current:
             return
         self._prepared_after = current
         following = find_next_undone(self.rows, current)
-        if following is None or following == self._prepared_path or not self._preparing.is_over:
+        row = next((row for row in self.rows if row.path == following and row.is_proposed), None)
+        if row is None or row.path in self._prepared or MODES[self._session.document.mode].method != "cpm":
             return
-        row = next(row for row in self.rows if row.path == following)
-        if row.is_proposed and MODES[self._session.document.mode].method == "cpm":
-            self._prepared_path, self._prepared = following, None
-            self._preparing = self._session.tasks.start_task(
-                tr("Preparing {name}…", name=following.name),
-                partial(prepare_proposals, following, project.settings),
-                tr("preparing {name}", name=following.name),
-                lambda _: WorkFinished(partial(self._on_prepared, None)),  # what is wrong is said when it is opened
-                on_result=self._on_prepared,
-            )
 
-    def _on_prepared(self, prepared: PreparedImage | None) -> None:
-        """Offer the proposals if the image has been opened in the meantime."""
-        self._preparing, self._prepared = ENDED_TASK, prepared
-        if self._prepared_path == self.current:
-            self._propose()
+        def keep_prepared(prepared: SessionFile | None) -> None:
+            self._prepared = {} if prepared is None else {row.path: (settings, prepared)}
+
+        self._preparing = self._session.tasks.start_task(
+            tr("Preparing {name}…", name=row.path.name),
+            partial(_prepare_run, row.path, settings),
+            tr("preparing {name}", name=row.path.name),
+            lambda _: WorkFinished(lambda: None),  # what is wrong is said when it is opened
+            on_result=keep_prepared,
+        )
 
     def _announce_state(self) -> None:
         if self.current is not None and self._here != self._shown:
@@ -482,3 +477,20 @@ class ImageProject(QObject):
         """Do not try again by itself what has failed and has been reported."""
         if failed.category == SAVING_CATEGORY:
             self._saving_fails = True
+
+
+def _prepare_run(path: Path, settings: SessionFile, task: BackgroundTask) -> SessionFile | None:
+    """Run an image with settings, and return them with its run, so that its contours are there when it is opened.
+
+    None where that would take too long. For use on a thread.
+    """
+    if sys.platform == "linux":  # elsewhere it would hold for the whole program
+        os.setpriority(os.PRIO_PROCESS, 0, _BACKGROUND_NICENESS)
+    reading = DEFAULT_READING if settings.image is None else settings.image.reading
+    image = load_image(path, check_cancelled=task.check_cancelled, **adapt_reading(path, reading))
+    if settings.image is None or math.prod(image.shape) > MAX_OFFERED_PIXELS:
+        return None
+    parameters = limit_scales(settings.parameters, image.shape)
+    document = from_session_file(settings, ImageReference.from_image(path, image), parameters)
+    _, runs = run_recorded(image, document, task)
+    return replace(settings, image=replace(settings.image, sha256=image.file_sha256), runs=runs)

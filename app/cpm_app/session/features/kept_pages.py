@@ -5,28 +5,37 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from cpm_app.model.display.page_rows import PageRow, collect_page_rows
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.objects import build_objects_result
-from cpm_app.model.document.running import run_document
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.exchange.messages import explain_failure
+from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
-from cpm_app.session.timeline.runs_json import read_valid_entries
 from cpm_app.session.undo_history import UndoHistory
-from cpm_core import Engine, Image, Page, Result, State, load_pages
-from cpm_core.formats import Pages, Reading, decode_session, encode_session, page_from_json, page_to_json
+from cpm_core import Engine, Evolution, Image, Page, Result, load_pages
+from cpm_core.formats import (
+    Pages,
+    Reading,
+    decode_session,
+    encode_session,
+    expect_mapping,
+    page_from_json,
+    page_to_json,
+)
 from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.pages import ContourFollower, StackResult, describe_error, limit_scales, pages_from_results, strip_image
+from cpm_core.pages import PageFollower, StackResult, limit_scales, strip_image
 from cpm_core.shapes import SeedCache, Start, check_axes
+
+Entry = TypeVar("Entry")
 
 
 @record
@@ -119,10 +128,11 @@ class KeptPage:
         return self.runs_unsaved or self.document != self.saved_document
 
 
-def with_starts(document: Document, starts: tuple[Start, ...]) -> Document:
-    """Replace the starts of a document; limits and charges stay."""
+def give_starts(document: Document, starts: tuple[Start, ...]) -> tuple[Document, tuple[Start, ...]]:
+    """Give a document starts in place of its own, if there are any; return it, and the starts that it has."""
     others = (shape for shape in document.shapes if not isinstance(shape, Start))
-    return replace(document, shapes=(*starts, *others))
+    given = starts or document.starts
+    return replace(document, shapes=(*given, *others)), given
 
 
 def without_results(document: Document) -> Document:
@@ -143,19 +153,16 @@ StackTable = tuple[StackResult | None, tuple[PageRow, ...]]
 EMPTY_TABLE: StackTable = (None, ())
 """The table while there are no results."""
 
-ListedKind = Literal["objects", "contours"]
-"""Kind of results that is shown of all pages."""
-
-MeasuredObjects = Mapping[int, tuple[SegmentedObjects, Result | None]]
-"""The objects of each page, and a result with their mean gray values; None where there are no objects."""
-
 
 class LinkedPages(NamedTuple):
-    """The results of all pages of a stack, with tracks."""
+    """What was found on all pages of a stack, with tracks.
+
+    `found` are the contours of runs, as files hold them; `table` has the objects of a page in their place.
+    """
 
     source: StackSource
-    measured: MeasuredObjects
-    tables: Mapping[ListedKind, StackTable]
+    found: Mapping[int, Page]
+    table: StackTable
 
 
 def link_pages(
@@ -163,29 +170,31 @@ def link_pages(
     found: Mapping[int, Page],
     drawn: tuple[JsonObject, ...],
     documents: Mapping[int, Document],
-    measured: MeasuredObjects,
+    measured: IdentityCache,
 ) -> LinkedPages:
-    """Link the contours of all pages to tracks, page by page, and measure objects that are not `measured`."""
-    follower = ContourFollower()
-    pages = [found[number] for number in sorted(found)]
-    pages = [follower.add_page(page.number, page.result) if page.result else page for page in pages]
-    known = dict[int, tuple[SegmentedObjects, Result | None]]()
+    """Link what was found on all pages to tracks, page by page; objects are measured again only if they change."""
+
+    def measure_objects(number: int, document: Document) -> Result | None:
+        result = build_objects_result(document)
+        return result and strip_image(replace(result, image=source.pages[number - 1]))
+
+    objects = dict[int, Result]()
     for number, document in documents.items():
-        before, result = measured.get(number, (None, None))
         size = document.image and (document.image.spacing, document.image.unit)
-        if before is not document.objects or (result and (result.spacing, result.unit) != size):
-            result = build_objects_result(document)
-            result = result and strip_image(replace(result, image=source.pages[number - 1]))
-        known[number] = document.objects, result
-    objects = pages_from_results({number: result for number, (_, result) in known.items() if result is not None})
-    tables: dict[ListedKind, StackTable] = {}
-    of_kinds: tuple[tuple[ListedKind, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
-    for kind, made in of_kinds:
-        name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.has_single_axis
-        if made:
-            whole = StackResult(name, source.count, tuple(made), axis, alone, drawn)
-            tables[kind] = whole, collect_page_rows(whole)
-    return LinkedPages(source, known, tables)
+        measure = partial(measure_objects, number, document)
+        if (result := measured.get_named(number, measure, document.objects, size)) is not None:
+            objects[number] = result
+    runs = {number: page.result and strip_image(page.result) for number, page in found.items()}
+    found = {number: replace(page, result=runs[number]) for number, page in found.items()}
+    follower, pages = PageFollower(), list[Page]()
+    for number in sorted({*found, *objects}):
+        result = objects.get(number) or runs[number]
+        pages.append(found[number] if result is None else follower.add_page(number, result))
+    if not pages:
+        return LinkedPages(source, found, EMPTY_TABLE)
+    name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.has_single_axis
+    whole = StackResult(name, source.count, tuple(pages), axis, alone, drawn)
+    return LinkedPages(source, found, (whole, collect_page_rows(whole)))
 
 
 _MAX_PAGE_RUNS_CHARACTERS = 24 * 2**20
@@ -197,13 +206,13 @@ def pages_to_json(
     following: bool,
     drawn: tuple[JsonObject, ...],
     given: bool,
-    result: StackResult | None,
+    found: Mapping[int, Page],
 ) -> JsonDict:
     """Encode the pages of a stack for a session file, to be read by `StoredPages`; runs are left out beyond a size.
 
     `others` are the pages that are not open, `given` is whether the open page was given its starts.
     """
-    if not others and result is None:
+    if not (others or found):
         return {}
     left, sessions = _MAX_PAGE_RUNS_CHARACTERS, []
     for number, page in sorted(others.items()):
@@ -218,7 +227,7 @@ def pages_to_json(
         "drawn": list(drawn),
         "given": given,
         "sessions": sessions,
-        "found": [] if result is None else [page_to_json(page) for page in result.pages],
+        "found": [page_to_json(page) for page in found.values()],
     }
 
 
@@ -270,13 +279,26 @@ class StoredPages:
 
         faults: list[Exception] = []
         kept, pages = (
-            dict(read_valid_entries(plain, "sessions", read_session, faults)),
-            dict(read_valid_entries(plain, "found", read_page, faults)),
+            dict(_read_valid_entries(plain, "sessions", read_session, faults)),
+            dict(_read_valid_entries(plain, "found", read_page, faults)),
         )
-        drawn = tuple(read_valid_entries(plain, "drawn", dict, []))
+        drawn = tuple(_read_valid_entries(plain, "drawn", dict, []))
         given = here.starts if plain.get("given") is True else ()
         trouble = tr("Some pages of the stack are damaged in the session and were skipped.")
         return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if faults else "")
+
+
+def _read_valid_entries(
+    plain: JsonObject, name: str, read: Callable[[JsonObject], Entry], errors: list[Exception]
+) -> list[Entry]:
+    """Read the valid entries of a list; the errors of the others are added to `errors`."""
+    found, entries = [], plain.get(name, [])
+    for entry in entries if isinstance(entries, list) else [entries]:
+        try:
+            found.append(read(expect_mapping(entry, name)))
+        except (ValueError, TypeError, KeyError, OverflowError, IndexError, AttributeError) as error:
+            errors.append(error)
+    return found
 
 
 class LazyJsonPages(Mapping[str, Any]):
@@ -305,16 +327,6 @@ def _check_page_number(given: object, source: StackSource) -> int:
     return given
 
 
-@record
-class PageDone:
-    """A page that has been run: its document with the given starts, its run and its results."""
-
-    page: Page
-    document: Document
-    given_starts: tuple[Start, ...] = ()
-    runs: JsonObject = field(default_factory=dict)
-
-
 def run_recorded(image: Image, document: Document, task: BackgroundTask) -> tuple[Result, JsonObject]:
     """Run a document on its image in the background; return the result, and the run for a session.
 
@@ -322,13 +334,13 @@ def run_recorded(image: Image, document: Document, task: BackgroundTask) -> tupl
     """
     engine, recorder = Engine(image, document.parameters, document.regions), RunRecorder()
 
-    def record_state(state: State) -> None:
+    seeds = document.collect_seeds(document.find_image_seeds(SeedCache(image)))
+    run = Evolution(engine, engine.start(seeds), document.parameters, charges=document.charges)
+    for moment in run:
         task.check_cancelled()
-        recorder(state)
-
-    result = run_document(engine, document, document.find_image_seeds(SeedCache(image)), record_state)
+        recorder(moment.state)
     session = add_recorded_run(to_session_file(document, {}), recorder, tr("Run {number}", number=1))
-    return result, session.runs
+    return run.result, session.runs
 
 
 def run_pages(
@@ -337,15 +349,15 @@ def run_pages(
     document_of: Callable[[int, tuple[Start, ...]], tuple[Document, tuple[Start, ...]]],
     before: Sequence[Page],
     task: BackgroundTask,
-) -> Iterator[PageDone]:
-    """Run pages, each as soon as the previous one is done; raise `Cancelled` if the task has been cancelled.
+) -> Iterator[tuple[Page, KeptPage]]:
+    """Run pages, and yield what was found on each; raise `Cancelled` if the task has been cancelled.
 
     `document_of` takes the number of a page and the starts along the contours of the previous page; it returns the
     document to run the page with, and the starts that were given. `before` are the pages before the first one.
     """
-    follower = ContourFollower(before)
-    for done, number in enumerate(numbers):
-        task.advance(done / len(numbers))
+    follower = PageFollower(before)
+    for place, number in enumerate(numbers):
+        task.advance(place / len(numbers))
         document, given = document_of(number, follower.next_starts)
         try:
             image = source.pages[number - 1]
@@ -355,10 +367,8 @@ def run_pages(
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others
-            known = isinstance(error, ValueError | MemoryError)
-            trouble = (
-                describe_error(error) if known else explain_failure(error, tr("running page {number}", number=number))
-            )
-            yield PageDone(Page(number, None, error=trouble), document, given)
+            trouble = explain_failure(error, tr("running page {number}", number=number))
+            yield Page(number, None, error=trouble), KeptPage(document, given_starts=given)
             continue
-        yield PageDone(follower.add_page(number, result), document, given, runs)
+        done = KeptPage(document, runs, given_starts=given, runs_unsaved=True)
+        yield follower.add_page(number, result), done

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
@@ -15,23 +14,20 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import FilesExported, ImageOpened, Report, SavedSession
-from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.contour_selection import ContourSelection
 from cpm_app.session.features.kept_pages import (
     EMPTY_TABLE,
     KeptPage,
     LazyJsonPages,
     LinkedPages,
-    ListedKind,
-    MeasuredObjects,
-    PageDone,
     StackSource,
     StackTable,
     StoredPages,
+    give_starts,
     link_pages,
     pages_to_json,
     run_pages,
-    with_starts,
     with_taken_numbers,
     without_results,
 )
@@ -39,12 +35,12 @@ from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.storage.session_file import DocumentFile, SessionWritten
 from cpm_app.session.tasks.opening import OpenRequest
-from cpm_app.session.tasks.tasks import BackgroundTask
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
-from cpm_core.contours import compute_centroid
 from cpm_core.formats import ImageFile, describe_shapes, export_stack
 from cpm_core.numerics.types import JsonObject
+from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import StackResult
 from cpm_core.shapes import Start, starts_from_contours
 
@@ -54,18 +50,12 @@ _LINK_DELAY = 200
 _LINK_DELAY_WHILE_RUNNING = 1500
 """Time from a change until the pages are linked again while pages are run in the background [ms]."""
 
-_SAME_CENTER_DISTANCE = 1.0
-"""Distance up to which the center of a contour counts as unchanged [px]."""
-
-_SAME_LENGTH_TOLERANCE = 0.02
-"""Relative difference up to which the length of a contour counts as unchanged."""
-
 
 class StackPages(QObject):
     """Navigates the pages of a stack, runs all of them, and holds the results of each."""
 
     changed = Signal()
-    """Another page is open, or runs of pages have begun or ended."""
+    """Another page is open, or runs of pages have begun; `TaskManager.changed` tells when they end."""
     results_changed = Signal()
     """The results of all pages have changed: `result`."""
 
@@ -84,12 +74,13 @@ class StackPages(QObject):
         self._kept: dict[int, KeptPage] = {}
         self._found_pages: dict[int, Page] = {}
         self._given_starts: tuple[Start, ...] = ()
-        self.listed: ListedKind = "objects"
-        """Kind of results that is shown and exported, if there are both."""
-        self.tables: Mapping[ListedKind, StackTable] = {}
-        """The results of all finished pages, with tracks, and their rows; nothing is filtered."""
-        self._measured: MeasuredObjects = {}
-        self.task: BackgroundTask | None = None
+        self.table: StackTable = EMPTY_TABLE
+        """What was found on all pages, with tracks, and the rows: the objects of a page, or else its contours."""
+        self._linked: Mapping[int, Page] = {}
+        """The contours of all finished pages, as files hold them."""
+        self._measured = IdentityCache()
+        self._last_objects: SegmentedObjects | None = None
+        self.task = ENDED_TASK
         self._last_result: Result | None = None
         self._drawn: tuple[JsonObject, ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
@@ -113,7 +104,6 @@ class StackPages(QObject):
 
         session.store.add_listener(SessionWritten, on_session_written)
         session.store.scene_changed.connect(self._on_scene_changed)
-        session.tasks.changed.connect(self._on_tasks_changed)
 
     def set_session_file(self, document_file: DocumentFile) -> None:
         """Set the session file, which keeps the runs of the open page; it is made after the pages that it stores."""
@@ -126,21 +116,11 @@ class StackPages(QObject):
     @property
     def running(self) -> bool:
         """Whether pages are being run in the background."""
-        return self.task is not None
-
-    @property
-    def table(self) -> StackTable:
-        """The shown results of all pages: the objects, or the contours with their tracks; None while there are none."""
-        return self.tables.get(self.listed) or next(iter(self.tables.values()), EMPTY_TABLE)
-
-    def show_kind(self, listed: ListedKind) -> None:
-        """Show the objects of all pages, or the contours."""
-        self.listed = listed
-        self.results_changed.emit()
+        return not self.task.is_over
 
     @property
     def result(self) -> StackResult | None:
-        """The shown results of all pages, which are exported; None while there are none."""
+        """What was found on all pages, which is exported; None while there is nothing."""
         return self.table[0]
 
     # Documents
@@ -201,25 +181,16 @@ class StackPages(QObject):
     def _select_wanted(self) -> None:
         """Select the wanted row; drop it if another page has been requested meanwhile."""
         row = self._wanted_row
-        if row is None or row.measures is None:
+        if row is None:
             return
         if self.wanted_page != row.page:
             self._wanted_row = None
         elif self.number == row.page and row.is_object:
             self._wanted_row = None
             self._contour_selection.select(objects=(row.track,))
-        elif self.number == row.page:
-            length, place = row.measures.length, (row.row, row.col)
-            contours = self._session.scene.contours
-            away = [math.dist(compute_centroid(contour), place) for contour in contours]
-            near = min(range(len(away)), key=away.__getitem__, default=None)
-            if (
-                near is not None
-                and away[near] <= _SAME_CENTER_DISTANCE
-                and abs(contours[near].length - length) <= _SAME_LENGTH_TOLERANCE * length
-            ):
-                self._wanted_row = None
-                self._contour_selection.select((near,))
+        elif self.number == row.page and row.index < len(self._session.scene.contours):
+            self._wanted_row = None
+            self._contour_selection.select((row.index,))
 
     def _open_wanted_page(self) -> None:
         """Keep the state of the open page, and open the requested one."""
@@ -261,11 +232,9 @@ class StackPages(QObject):
 
     def _make_fresh_page(self, number: int, here: KeptPage) -> KeptPage:
         """Make the state of an untouched page: with the shapes of the open page, or starts from the previous page."""
-        document, given = without_results(here.document), here.given_starts or here.document.starts
-        before = self._found_pages.get(number - 1)
-        if self.following and before is not None and before.contours:
-            given = starts_from_contours(before.contours)
-            document = with_starts(document, given)
+        before = self._found_pages.get(number - 1) if self.following else None
+        starts = () if before is None else starts_from_contours(before.contours)
+        document, given = give_starts(without_results(here.document), starts)
         return KeptPage(document, saved_document=document, given_starts=given)
 
     def _on_image_opened(self, opened: ImageOpened) -> None:
@@ -295,8 +264,7 @@ class StackPages(QObject):
             return
         kept, following = {**self._kept, self.number: self._describe_open_page()}, self.following
         self._drawn = describe_shapes(document.shapes)
-        followed, _ = self.tables.get("contours", EMPTY_TABLE)
-        before = () if followed is None else tuple(page for page in followed.pages if page.number < first)
+        before = tuple(page for number, page in sorted(self._linked.items()) if number < first)
         source, numbers = self.source, range(first, self.count + 1)
 
         def document_of(number: int, starts: tuple[Start, ...]) -> tuple[Document, tuple[Start, ...]]:
@@ -305,13 +273,12 @@ class StackPages(QObject):
             own = without_results(document) if page is None else replace(page.document, parameters=document.parameters)
             if page is not None and page.has_own_start:
                 return own, ()
-            given = (starts if following else ()) or document.starts
-            return with_starts(own, given), given
+            return give_starts(own, (starts if following else ()) or document.starts)
 
         def run_and_report(task: BackgroundTask) -> None:
-            for done in run_pages(source, numbers, document_of, before, task):
+            for page, done in run_pages(source, numbers, document_of, before, task):
                 self._session.tasks.call_in_window(
-                    partial(self._on_page_done, source.path, kept.get(done.page.number), done)
+                    partial(self._on_page_done, source.path, kept.get(page.number), page, done)
                 )
 
         title = tr("Running {count} pages…", count=len(numbers))
@@ -320,35 +287,27 @@ class StackPages(QObject):
 
     def cancel(self) -> None:
         """Stop running pages; finished ones stay."""
-        if self.task is not None:
-            self.task.cancel()
-            self._on_tasks_changed()
+        self.task.cancel()
 
-    def _on_page_done(self, path: str, known: KeptPage | None, done: PageDone) -> None:
+    def _on_page_done(self, path: str, known: KeptPage | None, page: Page, done: KeptPage) -> None:
         """Keep a page that has been run, unless the user has changed it since; the open one is opened again."""
-        number, here = done.page.number, done.page.number == self.number
+        number, here = page.number, page.number == self.number
         if path != self.source.path:
             return
         before = self._describe_open_page() if here else self._kept.get(number)
         if before is not None and (known is None or before.document != known.document) and before.has_own_start:
             return
-        self._found_pages[number] = done.page
+        self._found_pages[number] = page
         self._link_soon()
         if not done.runs:
             return
-        before, document = before or KeptPage(done.document), done.document
-        if before.document != document:  # so that undo restores the previous document
-            before.history.push(Change(tr("run all pages"), before.document, document))
-        self._kept[number] = page = replace(
-            before, document=document, runs=done.runs, given_starts=done.given_starts, runs_unsaved=True
-        )
+        if before is not None:
+            done = replace(done, history=before.history, saved_document=before.saved_document)
+            if before.document != done.document:  # so that undo restores the previous document
+                before.history.push(Change(tr("run all pages"), before.document, done.document))
+        self._kept[number] = done
         if here and not self._turning and self._session.status.phase != "running":
-            self._begin_page(number, page)
-
-    def _on_tasks_changed(self) -> None:
-        if self.task is not None and self.task.is_over:
-            self.task = None
-            self.changed.emit()
+            self._begin_page(number, done)
 
     # Results
 
@@ -356,7 +315,8 @@ class StackPages(QObject):
         """Keep the contours of the open page, once its run is at rest."""
         scene = self._session.scene
         shown = scene.result
-        if self.count and self._measured.get(self.number, (None,))[0] is not scene.document.objects:
+        if self.count and self._last_objects is not scene.document.objects:
+            self._last_objects = scene.document.objects
             self._link_soon()
         if not self.count or shown is None or self._session.status.phase == "running":
             return
@@ -372,10 +332,8 @@ class StackPages(QObject):
     def _on_pages_linked(self, made: LinkedPages) -> None:
         if made.source.path != self.source.path or not self.count:
             return
-        self._measured, self.tables = made.measured, made.tables
-        followed, _ = made.tables.get("contours", EMPTY_TABLE)
-        if followed is not None:
-            self._found_pages |= {page.number: page for page in followed.pages if page.number != self.number}
+        self._linked, self.table = made.found, made.table
+        self._found_pages |= {number: page for number, page in made.found.items() if number != self.number}
         self.results_changed.emit()
 
     # Files
@@ -406,8 +364,7 @@ class StackPages(QObject):
             return {}
         others = {number: page for number, page in self._kept.items() if number != self.number}
         given = not self.is_drawn(self._session.document)
-        followed, _ = self.tables.get("contours", EMPTY_TABLE)
-        return LazyJsonPages(partial(pages_to_json, others, self.following, self._drawn, given, followed))
+        return LazyJsonPages(partial(pages_to_json, others, self.following, self._drawn, given, self._linked))
 
     def _begin_stack(self, opened: ImageOpened) -> None:
         """Begin the pages of another file, perhaps from a session that contains them."""
@@ -416,7 +373,8 @@ class StackPages(QObject):
         source = self.source = StackSource.from_file(str(opened.path), parts, opened.reading)
         self.number = self.wanted_page = source.page_number(opened.reading)
         self._kept, self._found_pages, self._given_starts = {}, {}, ()
-        self.tables, self._measured, self._last_result, self._drawn = {}, {}, None, ()
+        self.table, self._linked, self._last_result, self._drawn = EMPTY_TABLE, {}, None, ()
+        self._measured = IdentityCache()
         if opened.saved is not None and opened.saved.file.pages and self.count:
             stored = StoredPages.from_json(opened.saved.file.pages, self._session.document, source)
             self._kept, self.following, self._drawn = stored.kept, stored.following, stored.drawn

@@ -7,17 +7,13 @@ from dataclasses import replace
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import CommandFailed, RunsKept, Snapshot
+from cpm_app.session.exchange.messages import CommandFailed, Snapshot
 from cpm_app.session.session import Session
-from cpm_app.session.timeline.stored_runs import TimelineBranch
-from cpm_app.session.timeline.timeline import TimelineState
+from cpm_app.session.timeline.branches import TimelineBranch
+from cpm_app.session.timeline.timeline import EMPTY_TIMELINE, TimelineState
 from cpm_app.session.worker.commands import call_run
-from cpm_app.session.worker.requests import go_to_step
 from cpm_app.session.worker.run import Run
 from cpm_core import Parameters
-
-EMPTY_TIMELINE = TimelineState()
-"""The timeline before there is a run."""
 
 
 class TimelineNavigation(QObject):
@@ -29,11 +25,9 @@ class TimelineNavigation(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self.timeline_state = EMPTY_TIMELINE
-        """The state of the timeline."""
         self._here = (0, 0)
         self._target: tuple[int, int] | None = None
-        self._snapshot: Snapshot | None = None
+        self._shown: tuple[Snapshot | None, TimelineState] = (None, EMPTY_TIMELINE)
         self._stay = QTimer(self, singleShot=True, interval=_CONTOURS_DELAY)
         self._stay.timeout.connect(self._on_stayed)
         session.store.scene_changed.connect(self._on_scene_changed)
@@ -44,15 +38,14 @@ class TimelineNavigation(QObject):
                 self.changed.emit()
 
         session.store.status_changed.connect(on_status_changed)
-        session.image_changed.connect(lambda: self._show_timeline_state(EMPTY_TIMELINE))
         session.store.add_listener(
             CommandFailed, lambda _: setattr(self, "_target", None)
         )  # which may have failed to go there
-        session.store.add_listener(
-            RunsKept,
-            lambda kept: None if kept.generation != session.store.generation or session.status.started
-            else self._show_timeline_state(kept.timeline),
-        )  # fmt: skip
+
+    @property
+    def timeline_state(self) -> TimelineState:
+        """The state of the timeline."""
+        return self._session.scene.timeline
 
     @property
     def branches(self) -> tuple[TimelineBranch, ...]:
@@ -96,7 +89,7 @@ class TimelineNavigation(QObject):
         target = self._target = (branch, step)
         session = self._session
         session.pause_and_post(
-            go_to_step(session.store.generation, branch, step, lambda: self._target in (None, target))
+            call_run(session.store.generation, Run.go_to, branch, step, lambda: self._target in (None, target))
         )
         self._stay.start()
         self.changed.emit()
@@ -153,28 +146,15 @@ class TimelineNavigation(QObject):
     # Following
 
     def _on_scene_changed(self) -> None:
-        snapshot = self._session.scene.snapshot
-        if snapshot is self._snapshot:
+        scene, (snapshot, known) = self._session.scene, self._shown
+        if scene.snapshot is snapshot and scene.timeline is known:
             return
-        self._snapshot = snapshot
-        if snapshot is None:  # earlier runs stay on the timeline
-            self._show_timeline_state(self.timeline_state)
-            return
-        self._here = (snapshot.timeline.branch, snapshot.state.step)
-        self._set_timeline_state(snapshot.timeline)
-        if self._here == self._target:
+        self._shown = scene.snapshot, scene.timeline
+        # without a snapshot, earlier runs stay on the timeline
+        self._here = (0, 0) if scene.snapshot is None else (scene.timeline.branch, scene.snapshot.state.step)
+        if scene.snapshot is None or self._here == self._target:
             self._target = None
-        self.changed.emit()
-
-    def _show_timeline_state(self, outline: TimelineState) -> None:
-        """Show runs while the run is on none of them."""
-        self._here, self._target = (0, 0), None
-        self._set_timeline_state(outline)
-        self.changed.emit()
-
-    def _set_timeline_state(self, outline: TimelineState) -> None:
-        fallen = outline.dropped_runs[len(self.timeline_state.dropped_runs) :]
-        self.timeline_state = outline
+        fallen = scene.timeline.dropped_runs[len(known.dropped_runs) :]
         if fallen:
             self._session.messages.show(
                 tr(
@@ -182,6 +162,7 @@ class TimelineNavigation(QObject):
                     runs=", ".join(fallen),
                 )
             )
+        self.changed.emit()
 
     def _on_stayed(self) -> None:
         if self._session.status.started and self._session.status.phase != "running":

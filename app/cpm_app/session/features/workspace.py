@@ -12,7 +12,6 @@ from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_selection import ObjectSelection
 from cpm_app.session.features.outline_editing import OutlineEditing
-from cpm_app.session.features.skeleton import SkeletonUpdater
 from cpm_app.session.features.slices import SliceNavigation
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
@@ -31,9 +30,8 @@ class Workspace:
         self.object_commands = ObjectCommands(self.session, self.contour_selection, self.object_list)
         self.pages = StackPages(self.session, self.contour_selection)
         self.followed_objects = FollowedObjects(self.session, self.pages)
-        self.project = ImageProject(self.session, self.object_list, self.pages, self.followed_objects)
+        self.project = ImageProject(self.session, self.object_list, self.pages)
         self.object_selection = ObjectSelection(self.session, self.object_list, self.pages, self.followed_objects)
-        self.skeleton_updater = SkeletonUpdater(self.session)
         self.navigation = TimelineNavigation(self.session)
         self.slices = SliceNavigation(self.session)
         self.comparison = ComparedResults(self.session, self.navigation)

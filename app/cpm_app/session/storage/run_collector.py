@@ -6,9 +6,9 @@ from concurrent.futures import Future
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from cpm_app.session.exchange.messages import ImageOpened, RunsKept
+from cpm_app.session.exchange.messages import ImageOpened
 from cpm_app.session.session import Session
-from cpm_app.session.timeline.timeline import TimelineState
+from cpm_app.session.timeline.timeline import EMPTY_TIMELINE
 from cpm_app.session.worker.commands import RunsCollected, RunsRestored, collect_runs
 from cpm_core.numerics.types import Callback, JsonObject
 
@@ -26,7 +26,7 @@ class RunCollector(QObject):
         super().__init__(session)
         self.runs_json: JsonObject = {}
         self._session = session
-        self._timeline_state: TimelineState | None = None
+        self._known = EMPTY_TIMELINE
         self._collected = self._saved = -1
         self._recovered = False
         self._then: list[Callback] = []
@@ -34,15 +34,14 @@ class RunCollector(QObject):
         self._timer.timeout.connect(self.collect_runs)
         session.store.scene_changed.connect(self._on_scene_changed)
         session.store.add_listener(ImageOpened, self._on_image_opened)
-        session.store.add_listener(RunsKept, lambda kept: self._on_timeline_changed(kept.timeline))
         session.store.add_listener(RunsCollected, self._on_runs_report)
         session.store.add_listener(RunsRestored, self._on_runs_report)
 
     @property
     def unsaved(self) -> bool:
         """Whether there are runs that are in no file and could not be reproduced by running again."""
-        outline = self._timeline_state
-        if outline is None or not outline.branches or outline.edition == self._saved:
+        outline = self._known
+        if not outline.branches or outline.edition == self._saved:
             return False
         status, taken = self._session.status, outline.parameters
         parameters = self._session.document.parameters
@@ -67,19 +66,14 @@ class RunCollector(QObject):
 
     def treat_as_saved(self) -> None:
         """Treat the runs as saved."""
-        self._saved = self._timeline_state.edition if self._timeline_state is not None else -1
+        self._saved = self._known.edition
 
     def _on_scene_changed(self) -> None:
-        snapshot = self._session.scene.snapshot
-        if snapshot is not None:
-            self._on_timeline_changed(snapshot.timeline)
-
-    def _on_timeline_changed(self, outline: TimelineState) -> None:
         """Collect changes of the runs soon, once they are at rest."""
-        if outline is self._timeline_state:
+        outline, known = self._session.scene.timeline, self._known
+        if outline is known:
             return
-        elsewhere = self._timeline_state is None or outline.branch != self._timeline_state.branch
-        self._timeline_state = outline
+        elsewhere, self._known = outline.branch != known.branch, outline
         running = self._session.status.phase == "running"
         if (elsewhere or outline.edition != self._collected) and not running and not self._timer.isActive():
             self._timer.start()
@@ -101,5 +95,6 @@ class RunCollector(QObject):
     def _on_image_opened(self, opened: ImageOpened) -> None:
         self._timer.stop()
         self._recovered = opened.saved is not None and opened.saved.recovered
-        self.runs_json, self._timeline_state = ({} if opened.saved is None else opened.saved.file.runs), None
+        self.runs_json = {} if opened.saved is None else opened.saved.file.runs
+        self._known = EMPTY_TIMELINE
         self._collected = self._saved = -1

@@ -1,14 +1,13 @@
-"""Runs as plain JSON of bounded size, and back; damaged ones are left out and reported in one message."""
+"""Runs as plain JSON of bounded size, and back; if they are damaged, that is reported in one message."""
 
 from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
@@ -16,21 +15,24 @@ from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.document.saving import from_session_file, to_session_file
 from cpm_app.model.text.language import explain_error, tr
-from cpm_app.session.timeline.stored_runs import (
-    StoredBranch,
+from cpm_app.session.timeline.branches import (
+    Branch,
     StoredRun,
     StoredRuns,
     TimelineBranch,
+    describe_branches,
     starts_from_sources,
 )
 from cpm_app.session.timeline.timeline import MAX_TIMELINE_RUNS
 from cpm_app.session.timeline.timeline_nodes import (
     FIGURE_NAMES,
+    BranchMetrics,
     BranchStep,
     EraseAction,
     JoinAction,
     RunAction,
     StepAction,
+    TimelineNode,
 )
 from cpm_core import RUN_METHODS, Parameters, PlacedCharge, State
 from cpm_core.field import sort_charges
@@ -64,8 +66,6 @@ MAX_STORED_CHARACTERS = 24 * 2**20
 MAX_BRANCH_STEPS = 200_000
 """Largest number of steps of a branch that are read."""
 
-Entry = TypeVar("Entry")
-
 
 def runs_to_json(stored: StoredRuns) -> JsonObject:
     """Encode all runs; states, the shown and then the newest, and figures as far as `MAX_STORED_CHARACTERS` allows."""
@@ -80,7 +80,7 @@ def runs_to_json(stored: StoredRuns) -> JsonObject:
             states.append({"branch": at[0], "step": at[1], "state": plain})
     runs = [_run_to_json(run) for run in stored.runs]
     for branch in (branch for run in reversed(runs) for branch in run["branches"]):
-        size = len(branch["figures"]["data"]) if "figures" in branch else 0
+        size = len(branch["figures"]["data"])
         if size > remaining:
             del branch["figures"]
         else:
@@ -97,59 +97,46 @@ def _encode_state(state: State) -> tuple[JsonDict, int]:
 
 
 def runs_from_json(plain: JsonObject, image: ImageReference) -> tuple[StoredRuns, str]:
-    """Read the runs of a session file on its image; return them and a message on what was left out, or ""."""
-    faults: list[Exception] = []
-    runs: list[StoredRun] = []
-    branches: dict[int, tuple[StoredRun, StoredBranch]] = {}
-    for run in read_valid_entries(plain, "runs", lambda entry: _read_run(entry, image), faults)[-MAX_TIMELINE_RUNS:]:
-        found = {stored.branch.identity: (run, stored) for stored in run.branches}
-        if branches.keys() & found:
-            faults.append(ValueError("two branches have the same number."))
-        else:
-            branches.update(found)
-            runs.append(run)
-
-    def read_state(entry: JsonObject) -> tuple[BranchStep, State] | None:
-        return (
-            _read_state(entry, branches, image) if entry.get("branch") in branches else None
-        )  # the oldest may be left out
-
-    states = dict(filter(None, read_valid_entries(plain, "states", read_state, faults)))
-    here = None
+    """Read the runs of a session file on its image; if one is damaged, return none, and a message."""
     try:
-        branch, step = (int(expect_number(one, "here")) for one in plain.get("here") or (0, 0))
-        here = (branch, step) if branch in branches else None
-    except (ValueError, TypeError) as error:
-        faults.append(error)
-    message = tr("Part of the recorded runs is damaged and was skipped ({fault}); everything else was opened.")
-    fault = message.format(fault=explain_error(faults[0]).rstrip(".")) if faults else ""
-    return StoredRuns(tuple(runs), here, states), fault
+        return _read_runs(plain, image), ""
+    except (ValueError, TypeError, KeyError, OverflowError, IndexError, AttributeError) as error:
+        message = tr("The recorded runs are damaged and were skipped ({fault}); everything else was opened.")
+        return StoredRuns(), message.format(fault=explain_error(error).rstrip("."))
 
 
-def read_valid_entries(
-    plain: JsonObject, name: str, read: Callable[[JsonObject], Entry], errors: list[Exception]
-) -> list[Entry]:
-    """Read the valid entries of a list; the errors of the others are added to `errors`."""
-    found, entries = [], plain.get(name, [])
-    for entry in entries if isinstance(entries, list) else [entries]:
-        try:
-            found.append(read(expect_mapping(entry, name)))
-        except (ValueError, TypeError, KeyError, OverflowError, IndexError, AttributeError) as error:
-            errors.append(error)
-    return found
+def _read_runs(plain: JsonObject, image: ImageReference) -> StoredRuns:
+    runs: list[StoredRun] = []
+    places: dict[int, tuple[StoredRun, Branch]] = {}
+    for entry in expect_list(plain.get("runs", []), "runs"):
+        run = _read_run(expect_mapping(entry, "run"), image)
+        if places.keys() & {branch.identity for branch in run.branches}:
+            raise ValueError("two branches have the same number.")
+        places |= {branch.identity: (run, branch) for branch in run.branches}
+        runs.append(run)
+    states = dict(
+        _read_state(expect_mapping(entry, "state"), places, image)
+        for entry in expect_list(plain.get("states", []), "states")
+    )
+    here = plain.get("here")
+    if here is None:
+        return StoredRuns(tuple(runs), None, states)
+    branch, step = (int(expect_number(one, "here")) for one in here)
+    return StoredRuns(tuple(runs), (places[branch][1].identity, step), states)
 
 
 def _run_to_json(run: StoredRun) -> JsonDict:
     numbers: dict[RunAction, int] = {}
     branches = []
-    for stored in run.branches:
-        plain = to_json(stored.branch)
+    lines = {line.identity: line for line in run.branches}
+    for shown, line in zip(describe_branches(run.branches), run.branches, strict=True):
+        steps = [node.actions for node in line.nodes[shown.first :]]
+        if shown.parent is not None:  # its own actions, from the step at which it leaves its parent
+            steps[0] = steps[0][len(lines[shown.parent].node_at(shown.first).actions) :]
         # run-length encoding: the actions of a step by their numbers, and for how many steps they are the same
-        numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in stored.steps)
-        plain["steps"] = [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
-        if stored.figures is not None:
-            plain["figures"] = array_to_json(stored.figures)
-        branches.append(plain)
+        numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in steps)
+        alike = [[same, len(list(group))] for same, group in itertools.groupby(numbered)]
+        branches.append({**to_json(shown), "steps": alike, "figures": array_to_json(line.figures.rows)})
     document = run.document
     acting = document.objects.barriers or document.outlined.objects  # a run depends on objects only then
     bare = replace(to_session_file(document, {}), image=None)
@@ -189,40 +176,51 @@ def _read_run(plain: JsonObject, image: ImageReference) -> StoredRun:
     drawn = tuple(shape_from_json(one, "a start of a run") for one in expect_list(plain.get("drawn", [])))
     listed = expect_list(plain.get("actions"), "actions")
     actions = [_read_action(expect_mapping(one, "action"), document.parameters) for one in listed]
-    branches: dict[int, StoredBranch] = {}
+    branches: dict[int, Branch] = {}
     for entry in expect_list(plain.get("branches")):
-        stored = _read_branch(expect_mapping(entry, "branch"), actions)
-        branch, parent = stored.branch, branches.get(stored.branch.parent or 0)
-        begins = not (branches or branch.parent or branch.first) and branch.scales and branch.scales[0][0] == 0
-        if not (begins if parent is None else branch.first <= parent.branch.last):
-            raise ValueError(f"branch {branch.identity} leaves no step of its run.")
-        branches[branch.identity] = stored
+        line = _read_branch(expect_mapping(entry, "branch"), actions, branches)
+        branches[line.identity] = line
     if not branches:
         raise ValueError("a run has no branch.")
     return StoredRun(document, Document(shapes=drawn).start_counts, tuple(branches.values()))
 
 
-def _read_branch(plain: JsonObject, actions: Sequence[RunAction]) -> StoredBranch:
+def _read_branch(plain: JsonObject, actions: Sequence[RunAction], older: Mapping[int, Branch]) -> Branch:
+    """Read a branch of a run; the run is numbered like its oldest branch."""
     given = {name: value for name, value in plain.items() if name not in ("steps", "figures")}
-    branch = from_json(TimelineBranch, given, "branch")
-    figures = None
+    shown, figures = from_json(TimelineBranch, given, "branch"), None
     if "figures" in plain:
         figures = array_from_json(plain["figures"], float, (len(FIGURE_NAMES), None), "figures of a branch")
-    steps: list[tuple[RunAction, ...]] = []
+    parent, first, run = older.get(shown.parent or 0), shown.first, next(iter(older), shown.identity)
+    begins = not (shown.parent or first) and shown.scales and shown.scales[0][0] == 0
+    if not (begins if parent is None else 0 <= first <= parent.last):
+        raise ValueError(f"branch {shown.identity} leaves no step of its run.")
+    if shown.identity < 1 or any(min(mark) < 0 for mark in shown.scales):
+        raise ValueError(f"branch {shown.identity} is not one that a run can have.")
+    root = next(iter(older.values())).nodes[0].nodes_of_step[0] if older else TimelineNode(run, 0)
+    nodes = [root] if parent is None else parent.nodes[: first + 1]
+    scales = [*([] if parent is None else parent.scales_until(first)), *shown.scales]
+    steps: list[list[RunAction]] = []
     for entry in expect_list(plain.get("steps"), "steps"):
         numbers, count = expect_list(entry, "steps")
         if type(count) is not int or not 0 < count <= MAX_BRANCH_STEPS - len(steps):
             raise ValueError(f"steps repeat {quote_value(count)} times but must be {MAX_BRANCH_STEPS} at most.")
         if any(type(one) is not int or not 0 <= one < len(actions) for one in expect_list(numbers, "steps")):
             raise ValueError(f"steps name the action {quote_value(numbers)}, which does not exist.")
-        steps += [tuple(actions[one] for one in numbers)] * count
-    # every entry but the first is a step, followed by the changes of its state
-    stepped = [[index for index, action in enumerate(step) if isinstance(action, StepAction)] for step in steps]
-    valid = stepped[:1] == [[]] and all(places == [0] for places in stepped[1:])
-    if not valid or branch.identity < 1 or branch.first < 0 or any(min(mark) < 0 for mark in branch.scales):
-        raise ValueError(f"branch {branch.identity} is not one that a run can have.")
-    last = branch.first + len(steps) - 1
-    return StoredBranch(replace(branch, name=branch.name[:40], last=last), tuple(steps), figures)
+        steps += [[actions[one] for one in numbers]] * count
+    if not steps:
+        raise ValueError(f"branch {shown.identity} is not one that a run can have.")
+    for step, taken in enumerate(steps, first):
+        # every entry but the first is a step, followed by the changes of its state
+        if [at for at, action in enumerate(taken) if isinstance(action, StepAction)] != ([0] if step > first else []):
+            raise ValueError(f"branch {shown.identity} is not one that a run can have.")
+        node = nodes[-1] if step > first else nodes.pop()
+        for action in taken:
+            node = TimelineNode(run, step, node, action)
+        nodes.append(node)
+    steered = bool(older) or bool(nodes[0].actions) or any(at.actions != nodes[1].actions for at in nodes[1:])
+    metrics = BranchMetrics(figures)
+    return Branch(shown.identity, shown.name[:40], run, nodes, scales, steered, shown.renamed, metrics)
 
 
 def _read_action(plain: JsonObject, usual: Parameters) -> RunAction:
@@ -244,18 +242,18 @@ def _read_action(plain: JsonObject, usual: Parameters) -> RunAction:
 
 
 def _read_state(
-    plain: JsonObject, branches: Mapping[int, tuple[StoredRun, StoredBranch]], image: ImageReference
+    plain: JsonObject, places: Mapping[int, tuple[StoredRun, Branch]], image: ImageReference
 ) -> tuple[BranchStep, State]:
     """Read a state and its place; steering, regions and charges are those of the action of its step."""
-    number_of, step = (int(expect_number(plain.get(name), f"{name} of a state")) for name in ("branch", "step"))
-    run, stored = branches[number_of]
-    if not stored.branch.first < step <= stored.branch.last:
-        raise ValueError(f"there is no step {step} of branch {number_of}.")
+    number, step = (int(expect_number(plain.get(name), f"{name} of a state")) for name in ("branch", "step"))
+    run, line = places[number]
+    if not 0 < step <= line.last:
+        raise ValueError(f"there is no step {step} of branch {number}.")
     spacing = (run.document.image or image).spacing
     state = state_from_json(plain.get("state"), image.shape, run.document.parameters.scales, spacing)
-    taken = stored.steps[step - stored.branch.first][0]
+    taken = line.nodes[step].actions[0]
     if state.step != step or not isinstance(taken, StepAction):
         raise ValueError(f"the state of step {step} is that of step {state.step}.")
     steering = RUN_METHODS[MODES[run.document.mode].method].steering(taken.parameters)
     regions, charges = taken.regions, sort_charges(taken.charges)
-    return (number_of, step), replace(state, steering=steering, regions=regions, charges=charges)
+    return (number, step), replace(state, steering=steering, regions=regions, charges=charges)

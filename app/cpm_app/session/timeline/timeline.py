@@ -7,21 +7,24 @@ nor the window are known here.
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
 from functools import lru_cache
-from itertools import takewhile
 from typing import Any
 
 from cpm_app.model.display.plots import RunMetrics
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.modes import MODES
-from cpm_app.model.text.language import explain_error, tr
-from cpm_app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns, TimelineBranch
+from cpm_app.model.text.language import tr
+from cpm_app.session.timeline.branches import (
+    NO_BRANCH,
+    Branch,
+    StoredRun,
+    StoredRuns,
+    TimelineBranch,
+    describe_branches,
+)
 from cpm_app.session.timeline.timeline_nodes import (
-    BranchMetrics,
     BranchStep,
     RunAction,
     StateCache,
@@ -78,42 +81,8 @@ class TimelineState:
     run_generation: int = 0
 
 
-@dataclass(eq=False)
-class _Branch:
-    """A branch with the last node of each step, from the first step of its run; branches share their common beginning.
-
-    `scales` are first steps and numbers of its scales, `figures` has its figures for plots; `steered` is whether it
-    leaves another branch, or its state or parameters were changed between steps.
-    """
-
-    identity: int
-    name: str
-    run: int
-    nodes: list[TimelineNode]
-    scales: list[tuple[int, int]]
-    steered: bool = False
-    renamed: bool = False
-    figures: BranchMetrics = field(default_factory=BranchMetrics)
-
-    @property
-    def last(self) -> int:
-        return len(self.nodes) - 1
-
-    def node_at(self, step: int) -> TimelineNode:
-        """Return the node of a step, or of the nearest one."""
-        return self.nodes[min(max(step, 0), self.last)]
-
-    def count_common_nodes(self, other: _Branch) -> int:
-        """Count the nodes that it has in common with another branch."""
-        most = range(min(len(self.nodes), len(other.nodes)))
-        return bisect_left(most, True, key=lambda at: self.nodes[at] is not other.nodes[at])
-
-    def scales_until(self, step: int) -> list[tuple[int, int]]:
-        return [mark for mark in self.scales if mark[0] <= step]
-
-
-_NO_BRANCH = _Branch(0, "", 0, [], [])
-"""The branch that a run is on before it has begun."""
+EMPTY_TIMELINE = TimelineState()
+"""The timeline before there is a run."""
 
 
 class Timeline:
@@ -126,8 +95,8 @@ class Timeline:
         self.edition = 0
         """Changes whenever something is recorded, renamed or removed."""
         self._states = StateCache(budget)
-        self._branches_by_number: dict[int, _Branch] = {}
-        self._current_branch = _NO_BRANCH
+        self._branches_by_number: dict[int, Branch] = {}
+        self._current_branch = NO_BRANCH
         self._step = 0
         self._numbered = 0
         """Number of the newest branch."""
@@ -156,7 +125,7 @@ class Timeline:
     def timeline_state(self) -> TimelineState:
         """State of the timeline, as the window shows it; the current branch may have become longer meanwhile."""
         if self._shown_branches is None:
-            self._shown_branches = tuple(map(self._describe_branch, self._branches_by_number.values()))
+            self._shown_branches = describe_branches(self._branches_by_number.values())
         actions = () if self._states.current is None else self._states.current.actions
         return TimelineState(
             self._shown_branches,
@@ -294,7 +263,7 @@ class Timeline:
 
     def leave_run(self) -> None:
         """Leave the current run, which is kept, so that another one can begin."""
-        self._current_branch, self._step, self._states.current, self._shown_branches = _NO_BRANCH, 0, None, None
+        self._current_branch, self._step, self._states.current, self._shown_branches = NO_BRANCH, 0, None, None
 
     # Branches
 
@@ -315,13 +284,6 @@ class Timeline:
         if len(self._branches_by_number) == 1:
             raise ValueError(tr("The only run cannot be deleted."))
         rest = [other for other in self._branches_by_number.values() if other.run == line.run and other is not line]
-        if any(
-            not other.count_common_nodes(rest[0]) and rest[0].nodes[0] not in other.nodes[0].nodes_of_step
-            for other in rest
-        ):
-            raise ValueError(
-                tr("{name} cannot be deleted: several branches begin with its step {step}.", name=line.name, step=0)
-            )
         del self._branches_by_number[branch]
         if self._current_branch is line and rest:
             other = max(rest, key=line.count_common_nodes)
@@ -349,121 +311,71 @@ class Timeline:
 
     def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
         """Return all runs for a session; `sources` are the sources of the particles of each, by its generation."""
-        runs = []
-        for run, (document, generation) in self._begun.items():
-            branches = tuple(
-                self._to_stored_branch(line) for line in self._branches_by_number.values() if line.run == run
+        runs = tuple(
+            StoredRun(
+                document,
+                sources.get(generation, document.start_counts),
+                tuple(line for line in self._branches_by_number.values() if line.run == run),
             )
-            runs.append(StoredRun(document, sources.get(generation, document.start_counts), branches))
-        kept_steps = {(line.identity, line.last) for line in self._branches_by_number.values()} | (
-            {self.current_step} if self.current_step else set()
+            for run, (document, generation) in self._begun.items()
         )
-        first_steps = {stored.branch.identity: stored.branch.first for run in runs for stored in run.branches}
-        # the states up to the first of a branch follow from those of its parent, or from the beginning of its run
-        own_steps = (at for at in kept_steps if at[1] > first_steps[at[0]])
-        kept = ((at, self._states.get(self._branches_by_number[at[0]].node_at(at[1]))) for at in own_steps)
-        return StoredRuns(tuple(runs), self.current_step, {at: state for at, state in kept if state is not None})
+        steps = {(line.identity, line.last) for line in self._branches_by_number.values()}
+        if self.current_step is not None:
+            steps.add(self.current_step)
+        kept = {at: self._states.get(self._branches_by_number[at[0]].node_at(at[1])) for at in steps if at[1]}
+        return StoredRuns(runs, self.current_step, {at: state for at, state in kept.items() if state is not None})
 
-    def _to_stored_branch(self, line: _Branch) -> StoredBranch:
-        """Return a branch with its own actions, from the step at which it leaves its parent."""
-        branch = self._describe_branch(line)
-        steps = [node.actions for node in line.nodes[branch.first :]]
-        if branch.parent is not None:
-            steps[0] = steps[0][len(self._branches_by_number[branch.parent].node_at(branch.first).actions) :]
-        return StoredBranch(branch, tuple(steps), line.figures.rows)
+    def restore_runs(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> None:
+        """Take over the runs of a session; raise ValueError if one cannot begin.
 
-    def restore_runs(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> str:
-        """Take over the runs of a session; return the first error, or "".
-
-        `first` returns the first state of a run. The number of a run is the number of its first branch; generations
-        are counted from -1 down.
+        `first` returns the first state of a run. Generations are counted from -1 down.
         """
         self.clear()
-        fault = ""
         for generation, run in enumerate(stored.runs, 1):
-            root = TimelineNode(run.branches[0].branch.identity, 0)
-            self._begun[root.run] = run.document, -generation
-            try:
-                self._states.put(root, first(self.method_of_run(root.run, run.document.regions), run.document))
-            except ValueError as error:
-                fault = fault or explain_error(error)
-                del self._begun[root.run]
-                self.method_of_run.cache_clear()  # another run may get its number
-                continue
-            for branch in run.branches:
-                self._add_stored_branch(branch, root)
+            number = run.branches[0].run
+            self._begun[number] = run.document, -generation
+            method = self.method_of_run(number, run.document.regions)
+            self._states.put(run.branches[0].nodes[0].nodes_of_step[0], first(method, run.document))
+            for line in run.branches:
+                self._branches_by_number[line.identity] = line
+                self._numbered = max(self._numbered, line.identity)
+                forked, named = line.identity != number, line.name.rpartition(" ")[2]
+                self._named[forked] = max(self._named[forked] + 1, int(named) if named.isdecimal() else 0)
         for (number, step), state in stored.states.items():
-            if number in self._branches_by_number:
-                self._states.put(self._branches_by_number[number].node_at(step), state)
+            self._states.put(self._branches_by_number[number].node_at(step), state)
         self._evict_runs()
-        return fault
-
-    def _add_stored_branch(self, stored: StoredBranch, root: TimelineNode) -> None:
-        """Add a branch of a session."""
-        branch, path, scales = stored.branch, [root], list(stored.branch.scales)
-        if branch.parent is not None:
-            parent = self._get_branch(branch.parent)
-            path, scales = parent.nodes[: branch.first + 1], parent.scales_until(branch.first) + scales
-        for step, actions in enumerate(stored.steps, branch.first):
-            node = path[-1] if step > branch.first else path.pop()
-            for action in actions:
-                node = TimelineNode(root.run, step, node, action)
-            path.append(node)
-        forked, number = branch.parent is not None, branch.name.rpartition(" ")[2]
-        steered = forked or bool(path[0].actions) or any(at.actions != path[1].actions for at in path[1:])
-        self._branches_by_number[branch.identity] = _Branch(
-            branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, BranchMetrics(stored.figures)
-        )
-        self._numbered = max(self._numbered, branch.identity)
-        self._named[forked] = max(self._named[forked] + 1, int(number) if number.isdecimal() else 0)
 
     # Internal
 
-    def _get_branch(self, branch: int) -> _Branch:
+    def _get_branch(self, branch: int) -> Branch:
         if branch not in self._branches_by_number:
             raise ValueError(tr("Branch {number} no longer exists.", number=branch))
         return self._branches_by_number[branch]
 
-    def _first_branch(self, run: int) -> _Branch:
+    def _first_branch(self, run: int) -> Branch:
         """Return the oldest branch of a run."""
         return next(line for line in self._branches_by_number.values() if line.run == run)
 
-    def _describe_branch(self, line: _Branch) -> TimelineBranch:
-        """Describe a branch for the window.
-
-        Its parent is the older branch of its run that it shares the most nodes with.
-        """
-        older = takewhile(lambda other: other is not line, self._branches_by_number.values())
-        parent = max((other for other in older if other.run == line.run), key=line.count_common_nodes, default=None)
-        scales, first = line.scales, 0
-        if parent is not None:
-            at = line.count_common_nodes(parent)
-            both = at < min(len(line.nodes), len(parent.nodes))
-            first = at if both and parent.nodes[at] in line.nodes[at].nodes_of_step else at - 1
-            scales = [mark for mark in scales if mark[0] > first]
-        leaves = None if parent is None else parent.identity
-        return TimelineBranch(line.identity, line.name, leaves, first, line.last, tuple(scales), line.run, line.renamed)
-
-    def _add_branch(self, path: list[TimelineNode], scales: list[tuple[int, int]], run: int, name: str) -> _Branch:
+    def _add_branch(self, path: list[TimelineNode], scales: list[tuple[int, int]], run: int, name: str) -> Branch:
         """Add a branch; a run is numbered like its first branch."""
         self._numbered += 1
         forked = run != self._numbered
         self._named[forked] += 1
         name = name.format(number=self._named[forked])
-        line = self._branches_by_number[self._numbered] = _Branch(
+        line = self._branches_by_number[self._numbered] = Branch(
             self._numbered, name, run, path, scales, steered=forked
         )
         self._shown_branches = None
         return line
 
-    def _fork_branch(self, line: _Branch) -> _Branch:
+    def _fork_branch(self, line: Branch) -> Branch:
         """Begin a branch that shares the steps before the current one with another branch."""
         scales = line.scales_until(self._step)
         fork = self._add_branch(line.nodes[: self._step], scales, line.run, tr("Branch {number}"))
         fork.figures = line.figures.copy_until(self._step)
         return fork
 
-    def _set_current(self, line: _Branch, state: MethodState) -> None:
+    def _set_current(self, line: Branch, state: MethodState) -> None:
         """Make the step of a branch with this state the current one."""
         if line is not self._current_branch:
             self._shown_branches = None

@@ -15,10 +15,9 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Concatenate, ParamSpec
 
-from cpm_app.model.display import stamps
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.export import ExportKind, ExportOrder, describe_export, prepare_export, simplify_result
-from cpm_app.model.text.language import tr
+from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
     CompilationProgress,
@@ -34,6 +33,7 @@ from cpm_app.session.exchange.messages import (
     WorkFinished,
 )
 from cpm_app.session.tasks.tasks import BackgroundTask
+from cpm_app.session.timeline.branches import StoredRuns
 from cpm_app.session.timeline.runs_json import runs_from_json, runs_to_json
 from cpm_app.session.worker.run import Run
 from cpm_core import Result, Skeleton
@@ -213,7 +213,6 @@ def compile_kernels(volumes: bool = False) -> WorkerCommand:
                 context.report(CompilationProgress(percent))
 
         (context.core.warm_up_volumes if volumes else context.core.warm_up)(context.closing, report_progress)
-        stamps.compile_stamping()
         _freeze_loaded_objects(volumes)
         context.report(WarmedUp())
 
@@ -281,7 +280,7 @@ class RunsRestored(Report):
 def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> WorkerCommand:
     """Put the runs of a session file on the timeline, and go to the step that was shown.
 
-    Damaged parts are left out and reported.
+    If they are damaged, that is reported, and there are none.
     """
 
     def restore_and_show(context: CommandContext) -> None:
@@ -289,18 +288,20 @@ def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> W
         if run.image_generation != generation:
             return
         stored, fault = runs_from_json(plain, image)
-        failed = run.restore_runs(stored)
-        if fault or failed:
-            context.report(CommandFailed(fault or failed))
+        try:
+            run.restore_runs(stored)
+        except ValueError as error:
+            run.timeline.clear()
+            stored, fault = StoredRuns(), explain_error(error)
+        if fault:
+            context.report(CommandFailed(fault))
         outline, here = run.timeline.timeline_state, stored.shown_step
-        if here is not None and all(branch.identity != here[0] for branch in outline.branches):
-            here = None
         begun = {-number: (kept.document, kept.sources) for number, kept in enumerate(stored.runs, 1)}
         context.report(RunsRestored(generation, begun, here is not None, outline.edition))
         if here is None:
             context.report(RunsKept(run.generation, outline))
         else:
-            run.go_to(*here, lambda: not context.closing())
+            run.go_to(*here)
             run.halt()
 
     return WorkerCommand(restore_and_show, tr("restoring the runs"), failure_report=partial(RunFailed, generation))

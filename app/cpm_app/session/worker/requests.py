@@ -20,17 +20,6 @@ from cpm_core.numerics import Array, Place
 from cpm_core.numerics.types import record
 from cpm_core.segmentation import Steerable
 
-
-def go_to_step(generation: int, branch: int, step: int, is_wanted: Callable[[], bool]) -> WorkerCommand:
-    """Pause the run and go to a step of a branch, unless by then another step is wanted."""
-
-    def go_if_current(context: CommandContext) -> None:
-        if generation == context.run.generation:
-            context.run.go_to(branch, step, lambda: is_wanted() and not context.closing())
-
-    return WorkerCommand(go_if_current, tr("going to another step"))
-
-
 FORCE_NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
 """Names of the reported forces: attributes of the core's `Forces`."""
 

@@ -15,7 +15,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.mailbox import Mailbox, Pacer
 from cpm_app.session.exchange.messages import OverlayData, Overlays, Reconstruction, Snapshot, explain_failure
-from cpm_app.session.timeline.stored_runs import StoredRuns
+from cpm_app.session.timeline.branches import StoredRuns
 from cpm_app.session.timeline.timeline import Timeline
 from cpm_app.session.timeline.timeline_nodes import EraseAction, JoinAction, RunAction, StepAction
 from cpm_app.session.worker.prepared_methods import AREA_OVERLAY, PreparedMethods, compute_overlay
@@ -39,7 +39,7 @@ _NO_OVERLAY = ((), None, "")
 class Run:
     """The run that the worker thread steps: a method, its state and its parameters; no other thread touches it."""
 
-    def __init__(self, prepared: PreparedMethods) -> None:
+    def __init__(self, prepared: PreparedMethods, is_closing: Callable[[], bool] = lambda: False) -> None:
         self.snapshots: Mailbox[Snapshot] = Mailbox()
         self.overlays: Mailbox[Overlays] = Mailbox()
         self.reconstructor = Reconstructor()
@@ -52,10 +52,11 @@ class Run:
         self.parameters = Parameters()
         self.charges: tuple[PlacedCharge, ...] = ()
         self._drawn = Document()
-        self._prepared = prepared
+        self._prepared, self._is_closing = prepared, is_closing
         self._overlays: dict[str, tuple[tuple[object, ...], OverlayData | None, str]] = {}
         """What each requested overlay has been made of, the overlay, and the error; the one made last is the last."""
-        self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
+        self._erasing_gesture = ""
+        """The gesture that has begun a branch by the removal of particles last."""
         self._remaining = 0.0
 
     # The image and the document
@@ -64,7 +65,6 @@ class Run:
         """Change to another image, with the method that has been prepared for it."""
         self.discard_state(generation)
         self.timeline.clear()
-        self._erasures.clear()
         self.image_generation = generation
         self._prepared.use_image(method)
         self.method, self.charges, self.parameters = method, (), parameters
@@ -88,9 +88,9 @@ class Run:
         self.timeline.begin_run(self.state, document, generation)
         self._send_snapshot()
 
-    def restore_runs(self, stored: StoredRuns) -> str:
-        """Take over the runs of a session, none of which is shown yet; return the first error, or ""."""
-        return self.timeline.restore_runs(
+    def restore_runs(self, stored: StoredRuns) -> None:
+        """Take over the runs of a session, none of which is shown yet; raise ValueError if one cannot begin."""
+        self.timeline.restore_runs(
             stored, lambda method, document: method.start(self._prepared.compute_seeds(document))
         )
 
@@ -143,29 +143,21 @@ class Run:
         self._apply_action(joined, on_own_branch=ended)
         return ended and self._step_without_limit()
 
-    def erase_particles(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
-        """Remove the particles near a path; particles of one `erasure`, given by its number, are brought back together.
+    def erase_particles(self, path: tuple[Place, ...], radius: float, gesture: str) -> None:
+        """Remove the particles near a path.
 
-        The first removal begins a branch, so that the state before it stays on the timeline.
+        The first removal of a gesture begins a branch, so that the state before it stays on the timeline.
         """
-        here = self.timeline.current_step
-        if not isinstance(self.method, Steerable) or self.state is None or here is None:
+        if not isinstance(self.method, Steerable) or self.state is None:
             return
-        count, known = self.state.count, erasure in self._erasures
         action = EraseAction(path, radius, self.method.regions)
-        removes = not known and action.apply_to(self.method, self.state).count < count
-        self._apply_action(action, on_own_branch=removes)
-        after = self.timeline.current_step
-        if (removes or known) and after is not None:
-            self._erasures[erasure] = (self._erasures[erasure][0] if known else here, after)
+        begins = gesture != self._erasing_gesture
+        begins = begins and action.apply_to(self.method, self.state).count < self.state.count
+        self._apply_action(action, on_own_branch=begins)
+        if begins:
+            self._erasing_gesture = gesture
         if self.state.stop_reason:
             self._remaining = 0.0
-
-    def undo_or_redo_erasure(self, erasure: int, back: bool) -> None:
-        """Go to the state before an erasure, or to the one after it; do nothing if it removed nothing."""
-        if erasure in self._erasures:
-            before, after = self._erasures[erasure]
-            self.go_to(*(before if back else after), lambda: True)
 
     def _apply_action(self, action: RunAction, on_own_branch: bool = False) -> None:
         """Apply an action to the current state; if `on_own_branch`, on a branch of its own."""
@@ -288,11 +280,15 @@ class Run:
         self.timeline.record_step(StepAction(parameters, self.charges, method.regions), state, measures)
         self._send_snapshot()
 
-    def go_to(self, branch: int, step: int, is_wanted: Callable[[], bool]) -> None:
+    def go_to(self, branch: int, step: int, is_wanted: Callable[[], bool] = lambda: True) -> None:
         """Pause and go to another step of the timeline; if that is no longer wanted, only pause."""
         self._remaining = 0.0
         before = self.timeline.current_run
-        state = self.timeline.go_to(branch, step, is_wanted) if is_wanted() else None
+
+        def is_still_wanted() -> bool:
+            return is_wanted() and not self._is_closing()
+
+        state = self.timeline.go_to(branch, step, is_still_wanted) if is_still_wanted() else None
         if state is not None:
             self._show_state(state, before)
 

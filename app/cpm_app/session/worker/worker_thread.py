@@ -39,7 +39,7 @@ class WorkerThread:
         self._closing = False
         self._newest: dict[object, WorkerCommand] = {}
         core = core or CoreFunctions()
-        self.run = Run(PreparedMethods(core.methods))
+        self.run = Run(PreparedMethods(core.methods), lambda: self._closing)
         self._context = CommandContext(core, self.run, self.send_report, lambda: self._closing)
         self._thread = threading.Thread(target=self._run_loop, name="cpm-engine", daemon=True)
         self._thread.start()

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
-from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 
@@ -68,24 +67,25 @@ class ToolDispatcher:
 
     def press_button(self, view: ImageView, at: Position, reach: float | None = None) -> None:
         """Press the left button over a position; `reach` is the tolerance for hits [px of the image]."""
-        self._pressed_tool = self.find_receiver(view, at)
-        self._pressed_tool.on_press(view.place_at(at), view.hit_tolerance() if reach is None else reach)
+        self._pressed_tool = tool = self.find_receiver(view, at)
+        tool.reach = tool.reach if reach is None else reach
+        tool.press(view.place_at(at))
 
     def move_pointer(self, view: ImageView, at: Position) -> None:
         """Move the pointer to a position."""
-        tool = self._pressed_tool or self.tool
-        tool.current_slice = view.shown_slice
-        if self.is_dragging:
-            tool.on_drag(view.place_at(at))
+        if self._pressed_tool is not None:
+            self._pressed_tool.current_slice = view.shown_slice
+            self._pressed_tool.drag(view.place_at(at))
         else:
-            tool.on_hover(view.place_at(at))
+            self.find_receiver(view, at)
+            self.tool.hover(view.place_at(at))
             self.show_cursor(view, at)
 
     def release_button(self) -> None:
         """Release the left button."""
         if self._pressed_tool is not None:
             tool, self._pressed_tool = self._pressed_tool, None
-            tool.on_release()
+            tool.release()
 
     def set_modifiers(self, modifiers: Qt.KeyboardModifier) -> None:
         """Pass the modifier keys that are held to the tool."""
@@ -93,86 +93,77 @@ class ToolDispatcher:
 
     def find_receiver(self, view: ImageView, at: Position) -> Tool:
         """Find the tool that a press here goes to: the handle tool over a handle, otherwise the tool in use."""
-        self.tool.current_slice = self._handle_tool.current_slice = view.shown_slice
-        place, reach = view.place_at(at), view.hit_tolerance()
-        over_handle = not self.tool.has_draft and self._handle_tool.has_handle_at(place, reach)
+        for tool in (self.tool, self._handle_tool):
+            tool.current_slice, tool.reach = view.shown_slice, view.hit_tolerance()
+        over_handle = not self.tool.has_draft and self._handle_tool.has_handle_at(view.place_at(at))
         return self._handle_tool if over_handle else self.tool
 
     def show_cursor(self, view: ImageView, at: Position) -> None:
         """Show the cursor for a press at a position."""
-        view.viewport().setCursor(self.find_receiver(view, at).cursor_at(view.place_at(at), view.hit_tolerance()))
+        view.viewport().setCursor(self.find_receiver(view, at).cursor_at(view.place_at(at)))
 
 
-class PointerFilter(QObject):
-    """Handles the mouse buttons in a view: the left one works with the tool in use, the others drag.
+class ToolView(ImageView):
+    """A view in which the left button works with the tool in use, and the others drag.
 
     A right-button drag begins once the pointer has moved; a right click without a drag opens a menu.
     """
 
-    moved = Signal(object)
-    """Position (row, col) of the pointer; not emitted while another button drags."""
-    dragged = Signal(object, object)
-    """Drag with another button: QMouseEvent, and the distance to pan [px of the screen], QPointF."""
     menu_wanted = Signal(object)
     """The right button was clicked at a point of the screen: QPoint."""
     double_clicked = Signal()
     """The left button was clicked a second time, and the tool has handled it."""
 
-    def __init__(self, view: ImageView, canvas: Canvas) -> None:
-        super().__init__(view)
-        self._view, self._canvas = view, canvas
-        self.point_in_view: QPointF | None = None
-        """Point of the view under the pointer; None when it has left."""
-        self._drag_origin: QPointF | None = None
-        self._is_still = self._is_double_click = False
-        self._handlers: dict[QEvent.Type, Callable[[QMouseEvent], None]] = {
-            QEvent.Type.MouseButtonPress: self._on_button_pressed,
-            QEvent.Type.MouseButtonDblClick: self._on_button_pressed,
-            QEvent.Type.MouseMove: self._on_pointer_moved,
-            QEvent.Type.MouseButtonRelease: self._on_button_released,
-        }
-        view.viewport().installEventFilter(self)
+    canvas: Canvas
+    """The canvas itself, or that next to a side view; it has the keyboard focus and the dispatcher."""
+    point_in_view: QPointF | None = None
+    """Point of the view under the pointer; None when it has left."""
+    _drag_origin: QPointF | None = None
+    _is_still = _is_double_click = False
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Handle the events of the pointer."""
-        if isinstance(event, QMouseEvent) and event.type() in self._handlers:
-            event.accept()
-            self._handlers[event.type()](event)
-            return True
-        canvas = self._canvas
-        if event.type() == QEvent.Type.Leave and not (canvas.is_led_by_keys or canvas.dispatcher.is_dragging):
-            canvas.remove_pointer()
-        return False
+    def move_pointer_to(self, at: Position) -> None:
+        """Move the pointer to a position, unless another button drags."""
+        raise NotImplementedError
 
-    def _on_button_pressed(self, event: QMouseEvent) -> None:
+    def drag_by(self, event: QMouseEvent, by: QPointF) -> None:
+        """Drag with another button; `by` is the distance to pan [px of the screen]."""
+        raise NotImplementedError
+
+    # Called by Qt
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin a gesture or a drag."""
-        canvas = self._canvas
+        canvas = self.canvas
         canvas.keyboard_interrupted.emit()
         canvas.setFocus()
-        if event.button() == Qt.MouseButton.LeftButton and self._view.shape is not None:
+        if event.button() == Qt.MouseButton.LeftButton and self.shape is not None:
             canvas.dispatcher.set_modifiers(event.modifiers())
             self._is_double_click = event.type() == QEvent.Type.MouseButtonDblClick
-            canvas.dispatcher.press_button(self._view, self._view.map_to_image(event.position()))
+            canvas.dispatcher.press_button(self, self.map_to_image(event.position()))
         elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
             self._drag_origin, self._is_still = event.position(), event.button() == Qt.MouseButton.RightButton
-            self.dragged.emit(event, QPointF())
+            self.drag_by(event, QPointF())
 
-    def _on_pointer_moved(self, event: QMouseEvent) -> None:
-        """Continue a drag, or report the position of the pointer."""
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Begin the gesture of a second click."""
+        self.mousePressEvent(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Continue a drag, or move the pointer."""
         self.point_in_view = event.position()
         if self._drag_origin is not None:
             by = self._drag_origin - event.position()
             if not self._is_still or by.manhattanLength() >= QApplication.startDragDistance():
                 self._drag_origin, self._is_still = event.position(), False
-                self._view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
-                self.dragged.emit(event, by)
-        elif not self._canvas.is_led_by_keys:
-            self._canvas.dispatcher.set_modifiers(event.modifiers())
-            self.moved.emit(self._view.map_to_image(event.position()))
+                self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+                self.drag_by(event, by)
+        elif not self.canvas.is_led_by_keys:
+            self.canvas.dispatcher.set_modifiers(event.modifiers())
+            self.move_pointer_to(self.map_to_image(event.position()))
 
-    def _on_button_released(self, event: QMouseEvent) -> None:
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """End a gesture or a drag."""
-        dispatcher = self._canvas.dispatcher
+        dispatcher = self.canvas.dispatcher
         if event.button() == Qt.MouseButton.LeftButton and dispatcher.is_dragging:
             dispatcher.release_button()
             if self._is_double_click:
@@ -181,14 +172,16 @@ class PointerFilter(QObject):
             self._drag_origin = None
             if self._is_still and event.button() == Qt.MouseButton.RightButton and not dispatcher.is_dragging:
                 self.menu_wanted.emit(event.globalPosition().toPoint())
-            dispatcher.show_cursor(self._view, self._view.map_to_image(event.position()))
+            dispatcher.show_cursor(self, self.map_to_image(event.position()))
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Remove the pointer, unless keys lead it or it drags."""
+        if not (self.canvas.is_led_by_keys or self.canvas.dispatcher.is_dragging):
+            self.canvas.remove_pointer()
 
 
-class Canvas(ImageView):
+class Canvas(ToolView):
     """Shows the image, or the current slice; the middle and the right button pan, the wheel zooms."""
-
-    pointer_moved = Signal(object)
-    """Position (row, col) under the pointer, or None when it has left."""
 
     pointer_place_changed = Signal(object)
     """Place under the pointer in the image or volume, in any view, or None when it has left."""
@@ -211,9 +204,7 @@ class Canvas(ImageView):
         self.is_led_by_keys = False
         self._pointer: Position | None = None
         self._wheel = WheelNotchCounter()
-        self.pointer = PointerFilter(self, self)
-        self.pointer.moved.connect(self.move_pointer_to)
-        self.pointer.dragged.connect(lambda _, by: self.pan_by(by.x(), by.y()))
+        self.canvas = self
         self.view.sigRangeChanged.connect(self.report_resting_pointer)
 
     def on_image_changed(self) -> None:
@@ -228,8 +219,8 @@ class Canvas(ImageView):
         self.dispatcher.switch_tool(tool)
         if self._pointer is not None:
             tool.current_slice = self.shown_slice
-            tool.on_hover(self.place_at(self._pointer))
-        self.viewport().setCursor(tool.cursor_at(self.place_at((-1e9, -1e9)), 0.0))
+            tool.hover(self.place_at(self._pointer))
+        self.viewport().setCursor(tool.cursor_at(self.place_at((-1e9, -1e9))))
 
     def move_pointer_to(self, at: Position) -> None:
         """Move the pointer, or the cross-hair, to a position."""
@@ -237,20 +228,23 @@ class Canvas(ImageView):
         self.dispatcher.move_pointer(self, at)
         self._emit_pointer_place(at)
 
+    def drag_by(self, event: QMouseEvent, by: QPointF) -> None:
+        """Pan."""
+        self.pan_by(by.x(), by.y())
+
     def remove_pointer(self) -> None:
         """Handle the pointer leaving the canvas."""
-        self._pointer = self.pointer.point_in_view = None
+        self._pointer = self.point_in_view = None
         self.dispatcher.tool.hide_marks()
         self._emit_pointer_place(None)
 
     def report_resting_pointer(self) -> None:
         """Report the place under a resting pointer again, after the image has moved or changed under it."""
-        if self.pointer.point_in_view is not None and not self.is_led_by_keys:
-            self._pointer = self.map_to_image(self.pointer.point_in_view)
+        if self.point_in_view is not None and not self.is_led_by_keys:
+            self._pointer = self.map_to_image(self.point_in_view)
             self._emit_pointer_place(self._pointer)
 
     def _emit_pointer_place(self, at: Position | None) -> None:
-        self.pointer_moved.emit(at)
         self.pointer_place_changed.emit(None if at is None else self.place_at(at))
 
     # Called by Qt

@@ -9,7 +9,6 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from cpm_app.model.display.display_image import DisplayImage, measure_area_share
 from cpm_app.model.document import edits
-from cpm_app.model.document.document import Document
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.exchange.messages import OverlayData
@@ -22,14 +21,15 @@ from cpm_app.views.canvas.canvas import Canvas, ToolDispatcher
 from cpm_app.views.canvas.crosshair import Crosshair
 from cpm_app.views.canvas.flow import ParticleFlow
 from cpm_app.views.canvas.image_view import ImageView
-from cpm_app.views.canvas.item_picker import ItemPicker, rectangle_around, selected_places
 from cpm_app.views.canvas.legend import CanvasStrip
+from cpm_app.views.canvas.selected_places import rectangle_around, selected_places
 from cpm_app.views.layers.image_layer import LevelDrag
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.select import SelectTool
+from cpm_app.views.tools.tool import draw_shape
 from cpm_app.views.widgets.containers import ENTER_KEYS, OfferBar, fill_layout
 from cpm_core.numerics import Place
-from cpm_core.shapes import Circle, Sphere
+from cpm_core.shapes import Charge, Circle, Sphere
 
 _WIDE_AREA_TEXT = tr(
     "No edge encloses this start: its area is {percent} of the image. Start inside an object, or limit the run by a "
@@ -83,7 +83,6 @@ class CanvasArea(QWidget):
         self.canvas, self.flow = Canvas(session), ParticleFlow(session, self)
         self.strip = CanvasStrip(self.canvas.layers.collect_legend_entries)
         self.messages, self.hint = self.strip.messages, self.strip.hint
-        self._item_picker = ItemPicker(workspace)
         self.offers, self.controls, self.views = OfferBar(), QVBoxLayout(), QGridLayout()
         """Bar above the canvas, bars below it, and views next to it; features add their contents."""
         self.views.setSpacing(2)
@@ -93,12 +92,11 @@ class CanvasArea(QWidget):
         self.crosshair = Crosshair(self.canvas, self.update_hint)
         tool_arguments = workspace, self.canvas.layers.drawing, self.update_hint
         self._tools = {kind.name: kind(*tool_arguments) for kind in TOOLS}
-        self.canvas.dispatcher = ToolDispatcher(self._tools[FIRST_TOOL], SelectTool(*tool_arguments))
+        self._select_tool = SelectTool(*tool_arguments)
+        self.canvas.dispatcher = ToolDispatcher(self._tools[FIRST_TOOL], self._select_tool)
         self._is_typing = self._has_offers = False
-        self._mode = session.document.mode
         self._was_running = self._tells_outcome = False
         self._area: OverlayData | None = None
-        self._area_share = 0.0
         self.canvas.installEventFilter(self)
         self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
         self.use_tool(FIRST_TOOL)
@@ -110,7 +108,6 @@ class CanvasArea(QWidget):
             layer.changed.connect(self.strip.legend.schedule_update)
         session.store.status_changed.connect(self.update_hint)
         self.flow.changed.connect(self._draw_scene)
-        session.document_changed.connect(self._on_document_changed)
         self._selection.changed.connect(self._on_proposals_changed)
         workspace.navigation.changed.connect(self._on_step_changed)
         workspace.object_list.selection_changed.connect(self.update_hint)
@@ -145,11 +142,20 @@ class CanvasArea(QWidget):
         elif keyed is not None:
             point_in_view = view.map_from_image(keyed)
         else:
-            return self._item_picker.selected_kind, self.rect().center()
-        kind = self._item_picker.select_item_at(
-            view.place_at(view.map_to_image(point_in_view)), view.hit_tolerance(), view.shown_slice
-        )
+            return self._selected_kind, self.rect().center()
+        position, kind = view.map_to_image(point_in_view), self._selected_kind
+        if not self._selection.selecting:
+            self.canvas.dispatcher.find_receiver(view, position)
+            kind = self._selected_kind if self._select_tool.select_item_at(view.place_at(position)) else "image"
         return kind, view.mapTo(self, point_in_view.toPoint())
+
+    @property
+    def _selected_kind(self) -> str:
+        """Kind of the selection: "charge", "shape", "object" or "image"."""
+        shapes, selected = self._session.document.shapes, self._session.selected_shape
+        if selected is not None and selected < len(shapes):
+            return "charge" if isinstance(shapes[selected], Charge) else "shape"
+        return "object" if self._workspace.object_list.selected_keys or self._selection.selecting else "image"
 
     def cancel_or_deselect(self) -> None:
         """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
@@ -191,8 +197,9 @@ class CanvasArea(QWidget):
         running = status.phase == "running"
         self._tells_outcome = not running and (self._tells_outcome or self._was_running)
         self._was_running = running
-        if status.phase == "ready" and self._area_share > _WIDE_AREA_SHARE:
-            text = insert_keys(_WIDE_AREA_TEXT, percent=localize_number(f"{100.0 * self._area_share:.0f} %"))
+        share = measure_area_share(self._area) if isinstance(self._area, DisplayImage) else 0.0
+        if status.phase == "ready" and share > _WIDE_AREA_SHARE:
+            text = insert_keys(_WIDE_AREA_TEXT, percent=localize_number(f"{100.0 * share:.0f} %"))
         chosen = self._workspace.object_list.selected_numbers or session.scene.selected_contours
         if session.document.image is not None:
             found = text if status.stale or status.steered else describe_outcome(self._workspace)
@@ -222,9 +229,7 @@ class CanvasArea(QWidget):
         radius = max(4.0, _NEW_CIRCLE_FRACTION * min(seen.width(), seen.height(), rows, cols))
         volume, center = self.canvas.drawn_scene.volume, self.canvas.place_at((row, col))
         round_one = Circle(center, radius) if volume is None else Sphere.from_voxel_size(center, radius, volume.spacing)
-        name = tr("add circle") if volume is None else tr("add sphere")
-        self._session.edit(name, lambda document: edits.add_shape(document, round_one))
-        self._session.select_shape(len(self._session.document.shapes) - 1)
+        draw_shape(self._session, round_one)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Handle the keys of the draft and of the selection, including some that are shortcuts of the window."""
@@ -243,12 +248,6 @@ class CanvasArea(QWidget):
         """Whether Enter accepts something."""
         return self._workspace.object_commands.can_accept or self._selection.selecting
 
-    def _on_document_changed(self, document: Document) -> None:
-        """Hide the cross-hair when another mode is chosen."""
-        if document.mode != self._mode:
-            self._mode = document.mode
-            self.crosshair.hide_crosshair()
-
     def _on_proposals_changed(self) -> None:
         """Hide the cross-hair once a run offers objects, so that Enter accepts them, unless it is drawing."""
         had, self._has_offers = self._has_offers, any(each.key for each in self._selection.proposals)
@@ -265,7 +264,6 @@ class CanvasArea(QWidget):
         area = self._session.scene.overlays.get(AREA_OVERLAY)
         if area is not self._area:
             self._area = area
-            self._area_share = measure_area_share(area) if isinstance(area, DisplayImage) else 0.0
             self.update_hint()
         self.canvas.draw_scene(self.flow.scene)
         self.strip.legend.schedule_update()

@@ -20,7 +20,7 @@ _CROSSHAIR_Z = 9.0
 _CROSSHAIR_SIZE = 36.0
 """Length from end to end [px of the screen]."""
 
-_KEY_HIT_TOLERANCE = 0.5
+_KEY_HIT_TOLERANCE = 0.9
 """Tolerance for hits of tools that work by clicks [px of the image]; keys are more precise than a mouse."""
 
 _PAN_MARGIN = 24.0

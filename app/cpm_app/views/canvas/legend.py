@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QWidget
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QWidget
 
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.views.canvas.message_line import MessageLine
 from cpm_app.views.layers.layer import LegendEntry
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.theme import get_canvas_style
-from cpm_app.views.widgets.containers import ElidedLabel, fill_layout
+from cpm_app.views.widgets.containers import ElidedLabel, FoldButton, fill_layout
 
 _LEGEND_INTERVAL = 150
 """Minimum time between two updates [ms]; the number of particles changes in every frame."""
@@ -34,8 +34,6 @@ class Legend(QWidget):
     `entries` returns all entries. Where room is short, only signs and numbers are shown; the tool tip has the words.
     """
 
-    folded_changed = Signal(bool)
-    """It has been folded or unfolded."""
     width_changed = Signal()
     """It needs more or less space than before."""
 
@@ -44,18 +42,16 @@ class Legend(QWidget):
         self._read_entries = entries
         self.entries: tuple[LegendEntry, ...] = ()
         """Entries that are shown."""
-        self.is_folded = False
         self._label = QLabel(textFormat=Qt.TextFormat.RichText)
-        self.button = QToolButton()
-        self.button.setObjectName("fold")
+        self.button = FoldButton()
         self.button.setText(tr("Legend"))
         self.button.setToolTip(tr("Show or hide what the lines and dots mean."))
-        self.button.clicked.connect(lambda: self.set_folded(not self.is_folded))
+        self.button.toggled.connect(self._on_toggled)
         fill_layout(QHBoxLayout(self), self._label, self.button, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self._timer = QTimer(self, singleShot=True, interval=_LEGEND_INTERVAL)
         self._timer.timeout.connect(self.update_now)
-        self.set_folded(False)
+        self.button.setChecked(True)
         self.hide()
 
     def schedule_update(self) -> None:
@@ -74,17 +70,13 @@ class Legend(QWidget):
             self.setVisible(bool(entries))
             self.width_changed.emit()
 
-    def set_folded(self, folded: bool) -> None:
+    def _on_toggled(self, is_unfolded: bool) -> None:
         """Hide or show all but the button."""
-        changed, self.is_folded = folded != self.is_folded, folded
         style = Qt.ToolButtonStyle
-        self.button.setToolButtonStyle(style.ToolButtonTextBesideIcon if folded else style.ToolButtonIconOnly)
-        self.button.setArrowType(Qt.ArrowType.LeftArrow if folded else Qt.ArrowType.RightArrow)
-        self.button.setAccessibleName(tr("Show the legend") if folded else tr("Hide the legend"))
-        self._label.setHidden(folded)
-        if changed:
-            self.folded_changed.emit(folded)
-            self.width_changed.emit()
+        self.button.setToolButtonStyle(style.ToolButtonIconOnly if is_unfolded else style.ToolButtonTextBesideIcon)
+        self.button.setAccessibleName(tr("Hide the legend") if is_unfolded else tr("Show the legend"))
+        self._label.setVisible(is_unfolded)
+        self.width_changed.emit()
 
     def fit_width(self, width: int) -> None:
         """Show words only where they fit in a width [px]."""

@@ -9,7 +9,6 @@ from cpm_app.model.state.messages import Message, Messages
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.containers import ElidedLabel, create_flat_button, fill_layout
 
 _MESSAGE_DURATION = 6000
@@ -32,11 +31,11 @@ class MessageLine(QFrame):
         self.details = create_flat_button(tr("Details"), tr("Read the whole message."), self._show_details)
         self._label.fits_changed.connect(lambda: self.details.setVisible(not self._label.fits))
         self._button = create_flat_button("", tr("Dismiss message"), self.dismiss_message)
+        self._button.setIcon(load_icon("close"))
         parts = self._label, self.details, self._button
         fill_layout(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)
         self._timer = QTimer(self, singleShot=True, interval=_MESSAGE_DURATION)
         self._timer.timeout.connect(lambda: self._set_messages(self._messages.without_news()))
-        self._theme: Theme | None = None
         self.hide()
 
     @property
@@ -75,11 +74,6 @@ class MessageLine(QFrame):
         """Name the current keys in the tool tip."""
         self._button.setToolTip(insert_keys(tr("Dismiss ({key:escape})")))
 
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the button."""
-        self._theme = theme
-        self._tint_icon()
-
     def _set_messages(self, messages: Messages) -> None:
         before, self._messages = self._messages, messages
         shown = messages.shown
@@ -100,7 +94,6 @@ class MessageLine(QFrame):
         for widget in (self, self._label, self.details, self._button):
             self.style().unpolish(widget)
             self.style().polish(widget)
-        self._tint_icon()
         self.details.setVisible(not self._label.fits)
 
     def _show_details(self) -> None:
@@ -118,9 +111,3 @@ class MessageLine(QFrame):
         popup.adjustSize()
         popup.move(self.mapToGlobal(QPoint(0, -popup.height() - 2)))
         popup.show()
-
-    def _tint_icon(self) -> None:
-        if self._theme is not None:
-            self._button.setIcon(
-                load_icon("close", self._theme.error_text if self.is_error else self._theme.message_text)
-            )

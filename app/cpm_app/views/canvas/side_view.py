@@ -11,7 +11,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import AXIS_NAMES, Slices
 from cpm_app.session.features.slices import Sections
 from cpm_app.session.scene import Scene
-from cpm_app.views.canvas.canvas import WHEEL_ZOOM_FACTOR, Canvas, PointerFilter, WheelNotchCounter
+from cpm_app.views.canvas.canvas import WHEEL_ZOOM_FACTOR, Canvas, ToolView, WheelNotchCounter
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.items.item import image_rectangle, line_pen
 from cpm_app.views.theme import theme
@@ -44,7 +44,7 @@ class SliceCross:
                 line.setValue(at)
 
 
-class SideView(ImageView):
+class SideView(ToolView):
     """Shows the slice across one axis, and works with the tool in use.
 
     The right button moves the cross, and its click on an item opens the menu; the wheel steps through the slices, with
@@ -62,11 +62,8 @@ class SideView(ImageView):
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setMinimumSize(_MIN_SIDE_VIEW_SIZE, _MIN_SIDE_VIEW_SIZE)
         self.cross = SliceCross(self)
-        self._main = canvas
+        self.canvas = canvas
         self._wheel = WheelNotchCounter()
-        self.pointer = PointerFilter(self, canvas)
-        self.pointer.moved.connect(self._on_pointer_moved)
-        self.pointer.dragged.connect(self._on_dragged)
         drawing = canvas.layers.drawing
         drawing.draft_shown.connect(self.layers.drawing.show_draft)
         drawing.ring_shown.connect(self.layers.drawing.show_ring)
@@ -79,17 +76,17 @@ class SideView(ImageView):
         self.draw_scene(scene)
         self.cross.show_slices(self.drawn_scene.slices)
 
-    def _on_pointer_moved(self, at: Position) -> None:
-        """Dispatch the move to the tool in use."""
-        self._main.dispatcher.move_pointer(self, at)
-        self._main.pointer_place_changed.emit(self.place_at(at))
+    def move_pointer_to(self, at: Position) -> None:
+        """Move the pointer of the tool in use."""
+        self.canvas.dispatcher.move_pointer(self, at)
+        self.canvas.pointer_place_changed.emit(self.place_at(at))
 
-    def _on_dragged(self, event: QMouseEvent, by: QPointF) -> None:
+    def drag_by(self, event: QMouseEvent, by: QPointF) -> None:
         """Move the cross with the right button, the image with the middle one."""
         if event.buttons() & Qt.MouseButton.RightButton:
             place = self.place_at(self.map_to_image(event.position()))
             self.place_wanted.emit(place)
-            self._main.pointer_place_changed.emit(place)
+            self.canvas.pointer_place_changed.emit(place)
         else:
             self.pan_by(by.x(), by.y())
 

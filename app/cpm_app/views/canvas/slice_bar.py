@@ -20,9 +20,6 @@ _AXIS_TIPS = (
 )
 """Tool tips of the buttons of the axes."""
 
-_SLICE_JUMP = 10
-"""Number of slices that a page key moves."""
-
 
 class SliceBar(PlaceBar):
     """Axis, slider and number of the slice, and the voxel size; hidden while no volume is open."""
@@ -33,7 +30,7 @@ class SliceBar(PlaceBar):
     """Axis that the user wants slices across."""
 
     def __init__(self) -> None:
-        super().__init__(tr("Slice"), tr("Number of the slice"), _SLICE_JUMP)
+        super().__init__(tr("Slice"), tr("Number of the slice"))
         self.axes = [QToolButton() for _ in AXIS_NAMES]
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):

@@ -1,20 +1,17 @@
-"""Panel of the comparison: a table of results, ways to add to it, and actions on the selected one."""
+"""Panel of the comparison: a table of results, a ground truth from a file, and the differences."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import partial
 from operator import attrgetter
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
-from PySide6.QtGui import QAction, QFont
+from PySide6.QtGui import QFont
 from PySide6.QtWidgets import (
     QCheckBox,
     QHBoxLayout,
     QLabel,
-    QMenu,
-    QToolButton,
     QVBoxLayout,
     QWidget,
 )
@@ -22,11 +19,10 @@ from PySide6.QtWidgets import (
 from cpm_app.model.display.differences import Difference
 from cpm_app.model.display.lengths import PixelSize, preferred_pixel_size
 from cpm_app.model.text.language import localize_number, tr
-from cpm_app.session.features.comparison import CURRENT_KEY, ComparedResults, ComparisonRow
-from cpm_app.session.features.timeline_navigation import TimelineNavigation
+from cpm_app.session.features.comparison import CURRENT_KEY, TRUTH_KEY, ComparedResults, ComparisonRow
 from cpm_app.session.session import Session
-from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel, create_menu_button, create_wide_button
-from cpm_app.views.widgets.actions import add_menu_action
+from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel, create_wide_button
+from cpm_app.views.widgets.actions import ActionButton, add_menu_action
 from cpm_app.views.widgets.containers import FoldableSection, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import MarkedSlider
 from cpm_core.contours import DEFAULT_TOLERANCE
@@ -43,7 +39,7 @@ def _build_columns(compared: ComparedResults) -> tuple[Column[ComparisonRow], ..
 
     return (
         Column("name", tr("Result"), tr("The results; the reference, with which the others are compared, is bold."),
-               lambda row: f"{row.title} ({row.state})" if row.state else row.title, "Run 1"),
+               lambda row: row.title, "Run 1"),
         Column("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint."),
                agreement_of("dice"), "0.000", number_format=".3f"),
         Column("mean", tr("Mean [{unit}]"), tr("Mean distance between the boundaries."),
@@ -77,7 +73,7 @@ def _build_columns(compared: ComparedResults) -> tuple[Column[ComparisonRow], ..
 
 
 class ResultTable(ItemTable):
-    """Table of the results in the order in which they were added; one of them is selected."""
+    """Table of the results; one of them is selected."""
 
     menu_name = "result"
 
@@ -97,11 +93,6 @@ class ResultTable(ItemTable):
         compared.selection_changed.connect(self.show_selection)
         self.show_items()
 
-    def edit_name(self, row: int) -> None:
-        """Use the selected result, on Enter or a double click."""
-        if self._compared.rows[self._compared.selected].is_usable:
-            self._compared.use_row(self._compared.selected)
-
     @property
     def selected_keys(self) -> set[int]:
         """Key of the selected result."""
@@ -112,8 +103,9 @@ class ResultTable(ItemTable):
         self._compared.select_row(next(iter(keys), CURRENT_KEY))
 
     def remove_selected(self) -> None:
-        """Remove the selected result."""
-        self._compared.remove_row(self._compared.selected)
+        """Remove the ground truth."""
+        if self._compared.selected == TRUTH_KEY:
+            self._compared.remove_truth()
 
     def update_rows(self) -> None:
         """Show the results with lengths in the unit of the image, or in px or voxels."""
@@ -132,30 +124,20 @@ class ComparePanel(QWidget):
         self,
         session: Session,
         compared: ComparedResults,
-        navigation: TimelineNavigation,
         load: Callback,
         export: Callback,
         jump: Callable[[Difference], object],
     ) -> None:
         super().__init__()
-        self._session, self._compared, self._navigation = session, compared, navigation
-        self._load, self._jump = load, jump
+        self._session, self._compared, self._jump = session, compared, jump
         self._last_shown: tuple[tuple[Difference, ...], int] = ((), 0)
         self.table, self.summary = ResultTable(session, compared), create_wrapped_label(dim=True)
         self.setFocusProxy(self.table)
-        self.acts = {
-            "use": self._add_result_action(tr("Use this"), lambda: compared.use_row(compared.selected),
-                             tr("Go to this run, or add these contours as objects.")),
-            "refer": self._add_result_action(tr("Set as reference"), lambda: compared.set_reference(compared.selected),
-                                             tr("Compare all others with this result.")),
-            "next": self._add_result_action(tr("Next difference"), self.jump_to_next,
-                                            tr("Show the differences one after the other, the largest first.")),
-            "remove": self._add_result_action(tr("Remove"), lambda: compared.remove_row(compared.selected),
-                                              tr("Remove this result.")),
-        }  # fmt: skip
-        self.add = create_menu_button(tr("Add…"), self._fill_add_menu)
-        self.keep = create_wide_button(tr("Keep this result"), compared.keep_current)
-        self.keep.setToolTip(tr("Keep what is found now, to compare later results with it."))
+        self.remove = add_menu_action(
+            self.table, tr("Remove"), compared.remove_truth, tr("Compare with what is shown now instead.")
+        )
+        self.load = create_wide_button(tr("Ground truth…"), load)
+        self.load.setToolTip(tr("Read a mask or contours from a file as the reference."))
         self.export = create_wide_button(tr("Export table…"), export)
         self.holes = QCheckBox(tr("Inner contours are holes"))
         self.holes.setToolTip(tr("Otherwise everything inside a contour belongs to the object."))
@@ -166,7 +148,17 @@ class ComparePanel(QWidget):
         self.tolerance.moved_to.connect(compared.set_tolerance)
         self.tolerance.moved_to.connect(self._show_comparison)
         self.tolerance.restored.connect(lambda: self.tolerance.move_to(DEFAULT_TOLERANCE))
-        self._lay_out_widgets()
+        how = QWidget()
+        fill_layout(QVBoxLayout(how), self._tolerance, self.tolerance, self.holes, spacing=6)
+        files = fill_layout(QHBoxLayout(), self.load, self.export, spacing=6)
+        parts = (
+            self.table,
+            self.summary,
+            ActionButton("next_difference"),
+            files,
+            FoldableSection(tr("How it is compared"), how),
+        )
+        fill_layout(QVBoxLayout(self), *parts, margins=(12, 8, 12, 8), spacing=7, wide=self.table)
         compared.changed.connect(self._show_comparison)
         compared.selection_changed.connect(self._show_comparison)
         self._show_comparison()
@@ -192,72 +184,25 @@ class ComparePanel(QWidget):
 
     # Internal
 
-    def _add_result_action(self, text: str, do: Callback, tip: str) -> QAction:
-        """Add an action on the selected result to the menu of the table."""
-        return add_menu_action(self.table, text, do, tip)
-
-    def _create_action_button(self, name: str) -> QToolButton:
-        button = create_wide_button("")
-        button.setDefaultAction(self.acts[name])
-        return button
-
-    def _lay_out_widgets(self) -> None:
-        how = QWidget()
-        fill_layout(QVBoxLayout(how), self._tolerance, self.tolerance, self.holes, spacing=6)
-        fill_layout(
-            QVBoxLayout(self),
-            fill_layout(QHBoxLayout(), self.add, self.keep, spacing=6),
-            self.table,
-            self.summary,
-            fill_layout(
-                QHBoxLayout(), self._create_action_button("use"), self._create_action_button("refer"), spacing=6
-            ),
-            fill_layout(QHBoxLayout(), self._create_action_button("next"), self.export, spacing=6),
-            FoldableSection(tr("How it is compared"), how),
-            margins=(12, 8, 12, 8),
-            spacing=7,
-            wide=self.table,
-        )
-
-    def _fill_add_menu(self, menu: QMenu) -> None:
-        """Fill the menu with what can be added."""
-        here = self._navigation.current_step[0]
-        branches = [branch for branch in self._navigation.branches if branch.identity != here]
-        if branches:
-            inner = menu.addMenu(tr("&Run or branch"))
-            for branch in branches:
-                add = partial(self._compared.add_branch, branch.identity)
-                add_menu_action(inner, branch.name.replace("&", "&&"), add)
-        add_menu_action(
-            menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference.")
-        )
-
     def _show_comparison(self) -> None:
-        compared, has_image = self._compared, self._session.image is not None
-        row, different = compared.rows[compared.selected], self._session.scene.differences
-        for widget in (self.add, self.keep):
-            widget.setEnabled(has_image)
-        self.acts["use"].setEnabled(row.is_usable)
-        self.acts["refer"].setEnabled(row.key != compared.reference)
-        self.acts["remove"].setEnabled(row.key != CURRENT_KEY)
-        self.acts["next"].setEnabled(bool(different))
-        self.export.setEnabled(len(compared.rows) > 1)
+        compared = self._compared
+        self.load.setEnabled(self._session.image is not None)
+        self.remove.setEnabled(compared.selected == TRUTH_KEY)
+        self.export.setEnabled(bool(compared.agreements))
         tolerance = tr("Tolerance: {tolerance:g} voxels") if compared.in_volume else tr("Tolerance: {tolerance:g} px")
         self._tolerance.setText(tolerance.format(tolerance=compared.tolerance))
         self.tolerance.show_value(compared.tolerance)
         self.holes.setVisible(not compared.in_volume)
         with QSignalBlocker(self.holes):
             self.holes.setChecked(compared.holes)
-        self.summary.setText(row.state or self._describe_selected_result())
+        self.summary.setText(self._describe_subject())
 
-    def _describe_selected_result(self) -> str:
+    def _describe_subject(self) -> str:
         """Describe how the selected result differs from the reference, or what the user can do."""
         compared, different = self._compared, self._session.scene.differences
         subject = compared.rows[compared.subject]
-        if len(compared.rows) == 1:
-            return tr("Add a result to compare it with what is shown now.")
         if subject.key == compared.reference:
-            return tr("Select a result to see it on the image.")
+            return tr("Select a run to compare it with what is shown now, or open a ground truth.")
         agreed = compared.agreements.get(subject.key)
         if agreed is None:
             return tr("Nothing found yet.") if subject.found is None else tr("Comparing…")

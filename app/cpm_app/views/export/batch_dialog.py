@@ -6,17 +6,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QDialog, QFormLayout, QLabel, QListWidget, QListWidgetItem, QWidget
+from PySide6.QtWidgets import QDialog, QFormLayout, QLabel, QWidget
 
-from cpm_app.model.export import list_export_formats
 from cpm_app.model.text.language import elide_middle, tr
 from cpm_app.session.features.image_batch import count_written_files, results_folder
 from cpm_app.session.storage.preferences import Preferences
-from cpm_app.views.export.dialog import CHECKED_FORMATS_KEY, DEFAULT_FORMATS
+from cpm_app.views.export.dialog import FormatList
 from cpm_app.views.widgets.containers import AcceptButtons, create_wrapped_label, lay_out_form
-
-_OBJECTS_KEY = "objects:"
-"""Start of the checked formats of the export dialog that are for objects."""
 
 _LIST_SIZE = 360, 180
 """Smallest width and height of the list of formats [px]."""
@@ -45,19 +41,11 @@ class BatchDialog(QDialog):
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Apply this session to a folder"))
-        self._preferences, self._folder, self._images = preferences, folder, images
-        self.list = QListWidget()
-        self.list.setAccessibleName(tr("Formats"))
+        self._folder, self._images = folder, images
+        self.list = FormatList(preferences, {"objects": 1}, in_volume)
+        self.list.setColumnCount(1)
+        self.list.setHeaderHidden(True)
         self.list.setMinimumSize(*_LIST_SIZE)
-        checked = preferences.read_key(CHECKED_FORMATS_KEY, DEFAULT_FORMATS)
-        if not any(key.startswith(_OBJECTS_KEY) for key in checked):
-            checked = DEFAULT_FORMATS
-        for suffix, name in list_export_formats("objects", in_volume).items():
-            row = QListWidgetItem(name, self.list)
-            row.setData(Qt.ItemDataRole.UserRole, suffix)
-            row.setCheckState(
-                Qt.CheckState.Checked if f"{_OBJECTS_KEY}{suffix}" in checked else Qt.CheckState.Unchecked
-            )
         self.summary = create_wrapped_label()
         self.summary.setMinimumHeight(2 * self.summary.fontMetrics().lineSpacing())
         buttons = AcceptButtons(self, tr("&Find objects"))
@@ -75,14 +63,11 @@ class BatchDialog(QDialog):
     @property
     def suffixes(self) -> tuple[str, ...]:
         """Suffixes of the checked formats."""
-        rows = map(self.list.item, range(self.list.count()))
-        return tuple(row.data(Qt.ItemDataRole.UserRole) for row in rows if row.checkState() == Qt.CheckState.Checked)
+        return tuple(suffix for _, suffix in self.list.checked_formats)
 
     def accept(self) -> None:
         """Remember the formats, for the export dialog as well."""
-        before = self._preferences.read_key(CHECKED_FORMATS_KEY, DEFAULT_FORMATS)
-        others = [key for key in before if not key.startswith(_OBJECTS_KEY)]
-        self._preferences.store_key(CHECKED_FORMATS_KEY, [*(_OBJECTS_KEY + each for each in self.suffixes), *others])
+        self.list.remember_formats()
         super().accept()
 
     def _show_summary(self) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -46,7 +46,7 @@ from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Skeleton
 from cpm_core.formats import SURFACE_SUFFIXES, count_left_out
 from cpm_core.image import CONVENTIONS
-from cpm_core.numerics.types import JsonDict, frozen
+from cpm_core.numerics.types import frozen
 
 _EXPORT_KEY_PREFIX = "export/"
 """Start of the preferences of this dialog."""
@@ -57,6 +57,9 @@ CHECKED_FORMATS_KEY = _EXPORT_KEY_PREFIX + "formats"
 DEFAULT_FORMATS = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
 """Formats that are checked until the user checks others."""
 
+_SLOW_KINDS = frozenset({"turntable", "run"})
+"""Kinds that take long and are never written unasked."""
+
 _PICTURE_KINDS = frozenset({"pages", "space", "turntable", "run"})
 """Kinds that the summary only names, without counting their contents."""
 
@@ -65,6 +68,57 @@ _LIST_WIDTH = 430
 
 _SPACE_TITLES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
 """Titles of the coordinate conventions."""
+
+
+class FormatList(QTreeWidget):
+    """List of what can be written, with a box to check for each format; those checked last are checked.
+
+    Parameters
+    ----------
+    preferences : Preferences
+        Where the checked formats are kept.
+    counts : mapping
+        Number of items of each kind.
+    in_volume, of_dicom : bool
+        Whether they are in a volume, and whether the image is from DICOM.
+    """
+
+    def __init__(
+        self, preferences: Preferences, counts: Mapping[ExportKind, int], in_volume: bool, of_dicom: bool = False
+    ) -> None:
+        super().__init__()
+        self._preferences = preferences
+        self.setHeaderLabels([tr("What"), tr("File")])
+        self.setAccessibleName(tr("What to export"))
+        self.rows: dict[tuple[ExportKind, str], QTreeWidgetItem] = {}
+        """Rows of the formats by kind and suffix."""
+        known = self._kept_formats
+        checked = known if any(key.partition(":")[0] in counts for key in known) else DEFAULT_FORMATS
+        for what, count in counts.items():
+            title = EXPORT_TITLES[what][0]
+            group = QTreeWidgetItem(self, [f"{title} ({count})" if count > 1 else title])
+            group.setExpanded(self.topLevelItemCount() == 1)
+            for suffix, name in list_export_formats(what, in_volume, of_dicom).items():
+                row = self.rows[what, suffix] = QTreeWidgetItem(group, [name])
+                row.setCheckState(0, Qt.CheckState.Unchecked)
+                if f"{what}:{suffix}" in checked and what not in _SLOW_KINDS:
+                    row.setCheckState(0, Qt.CheckState.Checked)
+                    group.setExpanded(True)
+        self.resizeColumnToContents(0)
+
+    @property
+    def checked_formats(self) -> tuple[tuple[ExportKind, str], ...]:
+        """Kind and suffix of the checked formats."""
+        return tuple(key for key, row in self.rows.items() if row.checkState(0) == Qt.CheckState.Checked)
+
+    def remember_formats(self) -> None:
+        """Keep the checked formats for the next time; those that are not in the list stay as they were."""
+        others = [key for key in self._kept_formats if tuple(key.split(":", 1)) not in self.rows]
+        self._preferences.store_key(CHECKED_FORMATS_KEY, [*others, *map(":".join, self.checked_formats)])
+
+    @property
+    def _kept_formats(self) -> list[str]:
+        return self._preferences.read_key(CHECKED_FORMATS_KEY, DEFAULT_FORMATS)
 
 
 @frozen
@@ -102,10 +156,7 @@ class ExportDialog(QDialog):
         self._volume = scene.slices is not None
         self._result = getattr(scene.reconstruction, "result", None)
         self.folder = files.find_starting_folder("export")
-        self.list = QTreeWidget()
-        self.list.setColumnCount(2)
-        self.list.setHeaderLabels([tr("What"), tr("File")])
-        self.list.setAccessibleName(tr("What to export"))
+        self.list = FormatList(preferences, self._count_items(), self._volume, image.hounsfield is not None)
         self.list.setMinimumSize(_LIST_WIDTH, parent.height() // 3)
         self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
         self.units, self.space = QCheckBox(tr("Physical units ({unit})").format(unit=image.unit)), QComboBox()
@@ -118,29 +169,29 @@ class ExportDialog(QDialog):
         self.stride = _create_number_field(tr("Steps per frame"), 1, max(exportable.last_step, 1), 1)
         self.width_field = _create_number_field(tr("Width"), MIN_FRAME_WIDTH, MAX_FRAME_WIDTH, 640, " px")
         self.speed = _create_number_field(tr("Speed"), 1, 50, 15, tr(" per second"))
-        self._boxes = {"everywhere": self.everywhere, "units": self.units}
-        self._numbers: JsonDict = {
-            "tolerance": self.tolerance, "every": self.stride, "width": self.width_field, "speed": self.speed
+        self._kept: dict[str, QWidget] = {
+            "everywhere": self.everywhere, "units": self.units, "tolerance": self.tolerance, "every": self.stride,
+            "width": self.width_field, "speed": self.speed,
         }  # fmt: skip
-        self.rows: dict[tuple[ExportKind, str], QTreeWidgetItem] = {}
-        """Rows of the list by kind and suffix."""
+        """Fields whose values are kept for the next export."""
         stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
         self.base, self._folder_button = QLineEdit(stem), QPushButton()
         self.summary = create_wrapped_label()
         self.summary.setMinimumHeight(2 * self.summary.fontMetrics().lineSpacing())
         self.classes: dict[int, QLineEdit] = {}
+        for name, field in self._kept.items():
+            setting = field.metaObject().userProperty()
+            setting.write(field, preferences.read_key(_EXPORT_KEY_PREFIX + name, setting.read(field)))
+        for space in CONVENTIONS:
+            self.space.addItem(_SPACE_TITLES[space], space)
         self._lay_out()
-        self._restore_settings()
-        self._fill_format_tree()
         self._on_settings_changed()
 
     @property
     def checked_files(self) -> tuple[ExportFile, ...]:
         """Files whose formats are checked."""
         return tuple(
-            ExportFile(self.folder / row.text(1), what, suffix)
-            for (what, suffix), row in self.rows.items()
-            if row.checkState(0) == Qt.CheckState.Checked
+            ExportFile(self.folder / self.list.rows[format_].text(1), *format_) for format_ in self.list.checked_formats
         )
 
     @property
@@ -175,15 +226,9 @@ class ExportDialog(QDialog):
             return
         named = {number: field.text() for number, field in self.classes.items() if field.text()}
         self._session.edit(tr("name classes"), partial(_name_classes, names=named))
-        put = self._preferences.store_key
-        shown = set(map(":".join, self.rows))
-        before = self._preferences.read_key(CHECKED_FORMATS_KEY, DEFAULT_FORMATS)
-        checked = [f"{file.kind}:{file.suffix}" for file in order.files]
-        put(CHECKED_FORMATS_KEY, [*(key for key in before if key not in shown), *checked])
-        for name, box in self._boxes.items():
-            put(_EXPORT_KEY_PREFIX + name, box.isChecked())
-        for name, number in self._numbers.items():
-            put(_EXPORT_KEY_PREFIX + name, number.value())
+        self.list.remember_formats()
+        for name, field in self._kept.items():
+            self._preferences.store_key(_EXPORT_KEY_PREFIX + name, field.metaObject().userProperty().read(field))
         self.export_requested.emit(order, self.animation_plan)
         super().accept()
 
@@ -225,8 +270,9 @@ class ExportDialog(QDialog):
             form.addRow(title, part)
             part.setAccessibleName(title)
         for changed in (
-            *(box.toggled for box in (self.only, *self._boxes.values())),
-            *(number.valueChanged for number in (self.first, self.last, *self._numbers.values())),
+            *(box.toggled for box in (self.only, self.everywhere, self.units)),
+            *(field.valueChanged for field in (self.first, self.last, self.stride, self.width_field, self.speed)),
+            self.tolerance.valueChanged,
             self.base.textChanged,
             self.list.itemChanged,
         ):
@@ -239,38 +285,6 @@ class ExportDialog(QDialog):
             True
         )  # only once it is in the dialog; earlier, Tab would make another button the default
 
-    def _restore_settings(self) -> None:
-        """Restore the settings of the last export."""
-        get = self._preferences.read_key
-        for name, number in self._numbers.items():
-            number.setValue(get(_EXPORT_KEY_PREFIX + name, number.value()))
-        for name, box in self._boxes.items():
-            box.setChecked(get(_EXPORT_KEY_PREFIX + name, box.isChecked()))
-        for space in CONVENTIONS:
-            self.space.addItem(_SPACE_TITLES[space], space)
-
-    def _fill_format_tree(self) -> None:
-        """List what can be exported, with the formats of the last export checked."""
-        moving = ("run:", "turntable:")  # these take long and are never written unasked
-        checked = [
-            key
-            for key in self._preferences.read_key(CHECKED_FORMATS_KEY, DEFAULT_FORMATS)
-            if not key.startswith(moving)
-        ]
-        self.list.blockSignals(True)  # the summary is updated once, after the last row
-        for what, count in self._count_items().items():
-            group = QTreeWidgetItem([f"{EXPORT_TITLES[what][0]} ({count})" if count > 1 else EXPORT_TITLES[what][0]])
-            self.list.addTopLevelItem(group)
-            group.setExpanded(self.list.topLevelItemCount() == 1)
-            for suffix, name in list_export_formats(what, self._volume, self._image.hounsfield is not None).items():
-                row = self.rows[what, suffix] = QTreeWidgetItem(group, [name])
-                row.setCheckState(0, Qt.CheckState.Unchecked)
-                if f"{what}:{suffix}" in checked:
-                    row.setCheckState(0, Qt.CheckState.Checked)
-                    group.setExpanded(True)
-        self.list.blockSignals(False)
-        self.list.resizeColumnToContents(0)
-
     def _count_items(self) -> dict[ExportKind, int]:
         """Count the items of each kind that can be exported."""
         scene, exportable = self._session.scene, self._exportable
@@ -280,7 +294,7 @@ class ExportDialog(QDialog):
         elif self._result is not None and self._result.surface is not None:
             counts["surface"] = 1
         elif self._result is not None and not self._volume:
-            counts["contours"] = len(prepare_export(self._result, scene.document, ExportOrder(), "contours").contours)
+            counts["contours"] = len(self._result.contours)
         counts |= {
             "pages": exportable.page_count,
             "space": exportable.has_space_view,
@@ -291,9 +305,9 @@ class ExportDialog(QDialog):
 
     def _on_settings_changed(self, *_: object) -> None:
         """Show the names of the files, the fields that matter for the selection, and the summary."""
-        base, first = self.base.text().strip(), next(iter(self.rows), ("", ""))[0]
+        base, first = self.base.text().strip(), next(iter(self.list.rows), ("", ""))[0]
         self.list.blockSignals(True)
-        for (what, suffix), row in self.rows.items():
+        for (what, suffix), row in self.list.rows.items():
             row.setText(1, export_file_name(base, what, suffix, what == first))
             row.setToolTip(1, row.text(1))
         self.list.blockSignals(False)

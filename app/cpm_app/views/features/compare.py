@@ -24,7 +24,7 @@ _MIN_DIFFERENCE_SPAN = 48.0
 
 
 class CompareFeature(Feature):
-    """Comparison of runs, kept results and a ground truth."""
+    """Comparison of runs and a ground truth."""
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
@@ -48,7 +48,6 @@ class CompareFeature(Feature):
         self.panel = ComparePanel(
             self.session,
             compared,
-            window.workspace.navigation,
             self._ask_for_truth,
             export_table,
             self._show_difference,

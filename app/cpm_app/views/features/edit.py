@@ -11,7 +11,7 @@ from cpm_app.model.state.resolve import resolve_texts
 from cpm_app.model.state.situation import Situation, has_image, has_shapes
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.views.canvas.canvas_area import FIRST_TOOL
-from cpm_app.views.tools import TOOLS
+from cpm_app.views.tools import TOOLS_BY_GROUP
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.window import Feature
 from cpm_core.shapes import Everywhere, SeedingKind
@@ -26,8 +26,8 @@ class DrawFeature(Feature):
         tools = [
             ActionSpec(tool.name, "Tools", tool.menu_text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
                        icon=tool.name, group="tool", checked=tool.name == FIRST_TOOL,
-                       gap=index > 0 and tool.group != TOOLS[index - 1].group, when=has_image)
-            for index, tool in enumerate(TOOLS)
+                       gap=tool is group[0], when=has_image)
+            for group in TOOLS_BY_GROUP.values() for tool in group
         ]  # fmt: skip
         self.actions = (
             *tools,
@@ -55,8 +55,6 @@ class DrawFeature(Feature):
             if start in session.document.shapes:
                 name = tr("remove {start}", start=name)
             session.edit(name, lambda document: edits.toggle_everywhere(document, kind))
-            # The action must show the state of the document even if it has not changed.
-            self.window.refresh_actions()
 
         return ActionSpec(f"start_{kind}", "Tools", text, tip, toggle_start, keys, icon=kind, gap=kind == "grid",
                           short=short, when=has_image,
@@ -79,8 +77,7 @@ class ModesFeature(Feature):
 
         def select_mode() -> None:
             session.set_mode(mode)
-            # The action must show the state of the document even if it has not changed.
-            self.window.refresh_actions()
+            self.window.canvas_area.crosshair.hide_crosshair()
 
         return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, select_mode, _MODE_KEYS[mode],
                           icon=f"mode_{mode}",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -34,7 +34,7 @@ from cpm_app.views.export.frames import AnimationPlan
 from cpm_app.views.features.animation import AnimationFeature
 from cpm_app.views.features.volumes import SpaceFeature
 from cpm_app.views.widgets.actions import ActionSpec
-from cpm_app.views.window.dialogs import ALL_FILES, AnswerButton, FileKind, QuestionDialog
+from cpm_app.views.window.dialogs import ALL_FILES, FileKind, QuestionDialog
 from cpm_app.views.window.window import Feature
 from cpm_core.formats import CENTERLINES_WRITABLE, CONTOURS_READABLE, IMAGES_READABLE, SURFACES_READABLE
 from cpm_core.numerics.types import Texts
@@ -259,10 +259,9 @@ class ImportFeature(Feature):
             return
         whole = found.kind == "center lines" or not found.count
         question = tr("Use {name} as a start?") if whole else tr("What should {name} be used for?")
-        buttons = _create_answer_buttons(found, path is not None)
-        text = question.format(name=found.name)
+        text, uses = question.format(name=found.name), _list_uses(found, path is not None)
         answer = QuestionDialog(
-            self.window, _QUESTION_TITLES[found.kind], text, _explain_choices(found), buttons
+            self.window, _QUESTION_TITLES[found.kind], text, _explain_choices(found), uses
         ).wait_for_answer()
         if answer == "start":
             name = tr("start from {name}", name=found.name)
@@ -284,14 +283,15 @@ def _explain_choices(found: ImportedContent) -> str:
     return " ".join([*sentences, *map(translate_core_text, found.notes)])
 
 
-def _create_answer_buttons(found: ImportedContent, of_file: bool) -> Sequence[AnswerButton]:
-    buttons = [AnswerButton("start", tr("&Start"), "accept")]
+def _list_uses(found: ImportedContent, of_file: bool) -> Mapping[str, str]:
+    """List what an imported drawing can be used for, each with the text of its button."""
+    uses = {"start": tr("&Start")}
     if found.objects:
-        buttons.append(AnswerButton("objects", tr("&Objects"), "accept"))
+        uses["objects"] = tr("&Objects")
     enclosing = found.kind != "surface" or bool(found.objects)
     if found.count and of_file and found.kind != "center lines" and enclosing:
-        buttons.append(AnswerButton("truth", tr("Ground &truth"), "accept"))
-    return [*buttons, AnswerButton("cancel", tr("Cancel"), "cancel")]
+        uses["truth"] = tr("Ground &truth")
+    return {**uses, "cancel": tr("Cancel")}
 
 
 _MAX_NAMED_IMAGES = 3

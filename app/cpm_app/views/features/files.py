@@ -8,7 +8,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QDateTime, QLocale, Qt, QTimer, QUrl
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QHBoxLayout, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.samples import find_sample_at, load_samples
@@ -24,10 +24,10 @@ from cpm_app.session.tasks.opening import is_image_folder
 from cpm_app.views.features.exchange import ImportFeature
 from cpm_app.views.files.recent_files import RecentFiles
 from cpm_app.views.files.start_screen import StartEntry, StartScreen
-from cpm_app.views.widgets.actions import Actions, ActionSpec, Submenu
+from cpm_app.views.widgets.actions import ActionButton, ActionSpec, Submenu
 from cpm_app.views.widgets.containers import create_dim_label, fill_layout
 from cpm_app.views.window import dialogs
-from cpm_app.views.window.dialogs import ALL_FILES, SESSION_FILES, AnswerButton, FileKind, QuestionDialog
+from cpm_app.views.window.dialogs import ALL_FILES, SESSION_FILES, FileKind, QuestionDialog
 from cpm_app.views.window.window import Feature
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
@@ -349,18 +349,11 @@ class FolderBar(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.back, self.forward, self._place = QToolButton(), QToolButton(), create_dim_label()
-        for button in (self.back, self.forward):
-            button.setObjectName("quiet")
-            button.setAutoRaise(True)
-            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+        style = Qt.ToolButtonStyle.ToolButtonIconOnly
+        self.back, self.forward = (ActionButton(name, style) for name in ("previous_image", "next_image"))
+        self._place = create_dim_label()
         fill_layout(QHBoxLayout(self), self.back, self._place, self.forward, margins=(6, 0, 6, 0), spacing=2)
         self.hide()
-
-    def use_actions(self, actions: Actions) -> None:
-        """Give the buttons the actions of the menu."""
-        self.back.setDefaultAction(actions["previous_image"])
-        self.forward.setDefaultAction(actions["next_image"])
 
     def show_folder_position(self, index: int, count: int, folder: str) -> None:
         """Show the position of an image in its folder; the first one has index 0."""
@@ -376,7 +369,6 @@ class FolderFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         window = self.window
         self.bar = FolderBar()
-        window.shortcuts.changed.connect(lambda: self.bar.use_actions(window.actions_by_name))
         window.statusBar().addPermanentWidget(self.bar)
         self._images: tuple[Path, ...] = ()
         self._index = self._next_index = 0
@@ -466,14 +458,11 @@ class RecoveryFeature(Feature):
         if not self._waiting:
             return
         leftover = self._waiting[0]
-        buttons = (
-            AnswerButton("restore", tr("&Restore"), "accept"),
-            AnswerButton("discard", tr("&Discard this work"), "discard"),
-            AnswerButton("later", tr("Ask me &later"), "cancel"),
-        )
+        answers = {"restore": tr("&Restore"), "discard": tr("&Discard this work"), "later": tr("Ask me &later")}
         text = tr("CPM ended unexpectedly. Restore “{name}”?", name=elide_middle(leftover.name, _MAX_SHOWN_PATH))
         details = "\n".join(_describe_leftover(leftover))
-        self.box = box = QuestionDialog(self.window, tr("Restore unsaved work"), text, details, buttons)
+        title = tr("Restore unsaved work")
+        self.box = box = QuestionDialog(self.window, title, text, details, answers, ("discard",))
         box.buttonClicked.connect(lambda _: self._on_answer(box.read_answer()))
         box.open()
 

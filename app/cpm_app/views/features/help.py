@@ -12,7 +12,6 @@ from cpm_app.model.text.about import LICENSE_SENTENCE, PAPER_CITATION, PROGRAM_P
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import ImageOpened
-from cpm_app.views.theme.icons import load_program_icon
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.guide import KEYS_PAGE, Guide
 from cpm_app.views.window.preferences import PreferencesDialog
@@ -82,7 +81,7 @@ class HelpFeature(Feature):
         text = "".join(f"<p>{html.escape(text)}</p>" for text in (PROGRAM_PURPOSE, PAPER_CITATION, LICENSE_SENTENCE))
         box = QMessageBox(
             self.window,
-            iconPixmap=load_program_icon().pixmap(64, 64),
+            iconPixmap=self.window.windowIcon().pixmap(64, 64),
             text=" ".join(list_versions()[0]),
             informativeText=f"{text}<table>{rows}</table>",
             textInteractionFlags=Qt.TextInteractionFlag.TextBrowserInteraction,

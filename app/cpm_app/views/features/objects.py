@@ -26,7 +26,7 @@ from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_menu_action
 from cpm_app.views.widgets.containers import DELETE_KEYS
 from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.keyboard import KeyFilter
-from cpm_app.views.window.window import Feature, MainWindow
+from cpm_app.views.window.window import Feature
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.polyline import as_line
 
@@ -34,21 +34,21 @@ from cpm_core.numerics.polyline import as_line
 class ObjectsFeature(Feature):
     """Actions on objects and proposals by menu and keys, and their panel."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        area = window.canvas_area
+    def set_up(self) -> None:
+        """Create the actions and connect them to what they depend on."""
+        window, area = self.window, self.window.canvas_area
         self._object_list = objects = window.workspace.object_list
         self._commands = commands = window.workspace.object_commands
         brush = window.workspace.object_brush
         self._selection = selection = window.workspace.object_selection
-        self.panel = ObjectPanel(window.workspace, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
+        self.panel = ObjectPanel(window.workspace)
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.table.show_items)
         KeyFilter(area.canvas, self.handle_key)
-        area.canvas.pointer.double_clicked.connect(self._on_double_clicked)
+        area.canvas.double_clicked.connect(self._on_double_clicked)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.dispatcher.tool.name == "mend"))
-        area.canvas.pointer_moved.connect(lambda at: objects.set_hovered_item(None) if at is None else None)
+        area.canvas.pointer_place_changed.connect(lambda at: objects.set_hovered_item(None) if at is None else None)
         for changed in (objects.selection_changed, brush.changed):
             changed.connect(lambda *_: window.refresh_actions())
         selection.changed.connect(window.refresh_actions)
@@ -150,7 +150,7 @@ class ObjectsFeature(Feature):
     def ask_for_name(self) -> None:
         """Ask for the name of the selected row."""
         self.window.docks.reveal_panel("objects")
-        self.panel.ask_for_name()
+        self.panel.table.edit_selected_name()
 
     def handle_key(self, event: QKeyEvent) -> bool:
         """Handle the keys that act on the selection on the canvas; return whether the key was one of them."""
@@ -207,16 +207,16 @@ class ObjectsFeature(Feature):
         if chosen:
             self._run_skeleton(tr("skeleton of objects"), SkeletonTarget(objects=tuple(sorted(chosen))))
             return
-        contours = contours or tuple(self.window.session.scene.contours)
+        contours = contours or tuple(self.session.scene.contours)
         lines = tuple(as_line(contour.points) for contour in contours if contour.closed)
         if lines:
             self._run_skeleton(tr("skeleton of contours"), SkeletonTarget(contours=lines))
         else:
-            self.window.session.messages.show(tr("There is no closed contour to find a skeleton in."))
+            self.session.messages.show(tr("There is no closed contour to find a skeleton in."))
 
     def _run_skeleton(self, name: str, outlined: SkeletonTarget) -> None:
         """Find center lines in outlined regions, or in the whole image."""
-        session = self.window.session
+        session = self.session
         session.edit(name, lambda document: switch_to_skeleton(document, outlined))
         if session.status.phase != "running":
             session.run()

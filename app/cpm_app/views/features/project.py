@@ -31,7 +31,6 @@ class ProjectFeature(Feature):
         # after what has asked for it, such as the end of a task, has been dealt with
         project.image_wanted.connect(lambda path: QTimer.singleShot(0, window, partial(window.open_image, path, True)))
         self.panel.table.image_requested.connect(lambda path: window.open_image(path, True))
-        window.shortcuts.changed.connect(lambda: self.panel.use_actions(window.actions_by_name))
 
         def is_project(_: Situation) -> bool:
             return project.folder is not None

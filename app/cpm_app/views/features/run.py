@@ -24,11 +24,12 @@ from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
 from cpm_app.session.worker.commands import call_run
 from cpm_app.session.worker.run import Run
 from cpm_app.views.panels.parameters import ParametersPanel
-from cpm_app.views.panels.presets import PresetButton
+from cpm_app.views.panels.presets import PresetBox
 from cpm_app.views.panels.run import RunPanel
 from cpm_app.views.panels.timeline import TimelinePanel
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.bars import TaskBar
+from cpm_app.views.window.dialogs import ask_for_text
 from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.keyboard import KeyFilter
 from cpm_app.views.window.window import Feature
@@ -47,8 +48,8 @@ class RunControlFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         window = self.window
         session, speed = window.session, window.speed
-        self.presets = PresetButton(window, PresetStore(parent=window))
-        parameters = ParametersPanel(session, self.presets)
+        self.presets = presets = PresetBox(window, PresetStore(parent=window))
+        parameters = ParametersPanel(session, presets)
         self.panel = RunPanel(parameters)
         self.panels = (Panel("run", "Run", self.panel, "F5"),)
         self.panel.unfold_sections(window.preferences.read_key(_UNFOLDED_SECTIONS_KEY, []))
@@ -68,6 +69,11 @@ class RunControlFeature(Feature):
                        session.reset, "R", short=tr("Reset"), icon="reset", when=is_started),
             ActionSpec("faster", "Run", "&Faster", "Allow more steps per second.", speed.speed_up, "Ctrl+]", gap=True),
             ActionSpec("slower", "Run", "S&lower", "Allow fewer steps per second.", speed.slow_down, "Ctrl+["),
+            ActionSpec("save_preset", ">" + tr("Run"), "&Save as…", "Save the current parameters under a name.",
+                       presets.save_preset, icon="save"),
+            ActionSpec("delete_preset", ">" + tr("Run"), "&Delete…", "Delete the preset in use, if it is your own.",
+                       presets.delete_preset, icon="bin",
+                       when=lambda _: presets.current is not None and presets.current.is_own),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -117,8 +123,6 @@ class TimelineFeature(Feature):
             return event.key() in ends
 
         KeyFilter(self.canvas, go_to_end)
-        self.session.document_changed.connect(lambda _: self.panel.show_parameters())
-        window.shortcuts.changed.connect(lambda: self.panel.use_actions(window.actions_by_name))
         self._shown = False
         to.changed.connect(self._on_timeline_changed)
         window.preferences.call_on_change(TIMELINE_MEMORY, self.apply_memory_limit)
@@ -143,8 +147,12 @@ class TimelineFeature(Feature):
                        "Go to the last step of the branch; End on the canvas does the same.", to.go_to_last, "Ctrl+End",
                        "last", when=has_recorded_run),
             ActionSpec("timeline_parameters", _TIMELINE_GROUP, "Use the pa&rameters of this step",
-                       "Use the parameters with which the shown step was computed.", to.use_step_parameters, gap=True,
-                       when=lambda situation: has_particles(situation) and to.differing_parameters is not None),
+                       "Use the parameters with which the shown step was computed.", to.use_step_parameters,
+                       icon="restore", gap=True,
+                       when=lambda situation: has_particles(situation) and not is_running(situation)
+                       and to.differing_parameters is not None),
+            ActionSpec("timeline_rename", _TIMELINE_GROUP, "Re&name the branch…", "Give the shown branch another name.",
+                       self._rename_branch, icon="branch", when=lambda _: bool(to.current_step[0])),
             ActionSpec("timeline_delete", _TIMELINE_GROUP, "&Delete the branch",
                        "Delete the shown branch; steps shared with other branches are kept.",
                        lambda: to.remove_branch(to.current_step[0]), icon="bin",
@@ -157,6 +165,14 @@ class TimelineFeature(Feature):
         if shown != self._shown:
             self._shown = shown
             self.window.refresh_actions()
+
+    def _rename_branch(self) -> None:
+        known = self.navigation.find_branch(self.navigation.current_step[0])
+        if known is not None:
+            title, button = tr("Name of the branch"), tr("Use this name")
+            name = ask_for_text(self.window, title, tr("Name:"), button, known.name)
+            if name and name.strip() not in ("", known.name):
+                self.navigation.rename_branch(known.identity, name)
 
     def apply_memory_limit(self) -> None:
         """Give the timeline the memory that the preferences allow."""

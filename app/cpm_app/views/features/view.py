@@ -37,10 +37,10 @@ class LayersFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         window = self.window
         area, canvas, workspace = window.canvas_area, self.canvas, window.workspace
-        layers, legend = canvas.layers, area.strip.legend
+        layers, legend = canvas.layers, area.strip.legend.button
         panel = LayersPanel(layers)
         self.panels = (Panel("layers", "Layers", panel, "F8"),)
-        canvas.pointer_moved.connect(layers.forces.set_pointer)
+        canvas.pointer_place_changed.connect(layers.forces.set_pointer)
         for layer in layers:
             layer.use_view_state(window.preferences.read_json(_LAYER_SETTINGS_KEY.format(layer=layer.name)))
             layer.changed.connect(window.refresh_actions)
@@ -54,9 +54,9 @@ class LayersFeature(Feature):
 
         area.level_drag.moved.connect(show_range)
         area.level_drag.ended.connect(window.refresh_actions)
-        legend.set_folded(bool(window.preferences.read_key(_LEGEND_FOLDED_KEY, False)))
-        legend.folded_changed.connect(lambda folded: window.preferences.store_key(_LEGEND_FOLDED_KEY, folded))
-        legend.folded_changed.connect(window.refresh_actions)
+        legend.setChecked(not window.preferences.read_key(_LEGEND_FOLDED_KEY, False))
+        legend.toggled.connect(lambda unfolded: window.preferences.store_key(_LEGEND_FOLDED_KEY, not unfolded))
+        legend.toggled.connect(window.refresh_actions)
         window.shortcuts.changed.connect(lambda: panel.use_actions(window.actions_by_name))
         workspace.contour_selection.selection_changed.connect(window.refresh_actions)
         workspace.object_list.selection_changed.connect(window.refresh_actions)
@@ -82,17 +82,16 @@ class LayersFeature(Feature):
             ActionSpec("zoom_out", "View", "Zoom &out", "Zoom out.", partial(canvas.zoom_by, 1.0 / WHEEL_ZOOM_FACTOR),
                        "- Ctrl+-"),
             ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",
-                       lambda: legend.set_folded(not legend.is_folded), "Alt+L", gap=True,
-                       checked_when=lambda _: not legend.is_folded),
+                       legend.toggle, "Alt+L", gap=True, checked_when=lambda _: legend.isChecked()),
             *map(create_layer_action, layers),
             ActionSpec("levels_full", _LAYERS_GROUP, "&All gray values",
                        "Show all gray values, from the smallest (black) to the largest (white).",
-                       partial(self._select_range, WHOLE_RANGE), "Alt+Shift+W", when=has_image,
+                       partial(layers.image.set_option, "range", WHOLE_RANGE), "Alt+Shift+W", when=has_image,
                        checked_when=lambda _: layers.image.get_choice("range") == WHOLE_RANGE),
             ActionSpec("levels_auto", _LAYERS_GROUP, "A&utomatic range",
                        "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
                        "button to change the range.",
-                       partial(self._select_range, AUTOMATIC_RANGE), "Alt+W", when=has_image,
+                       partial(layers.image.set_option, "range", AUTOMATIC_RANGE), "Alt+W", when=has_image,
                        checked_when=lambda _: layers.image.get_choice("range") == AUTOMATIC_RANGE),
         )  # fmt: skip
 
@@ -103,10 +102,6 @@ class LayersFeature(Feature):
             if layer.options:
                 self.window.preferences.store_key(_LAYER_SETTINGS_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
-
-    def _select_range(self, value: str) -> None:
-        self.canvas.layers.image.set_option("range", value)
-        self.window.refresh_actions()
 
 
 class KeyboardFeature(Feature):

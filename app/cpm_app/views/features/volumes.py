@@ -28,7 +28,7 @@ from cpm_app.views.volume.space_view_builder import SpaceViewBuilder
 from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.widgets.fields import PLACE_JUMP
 from cpm_app.views.window.docks import Panel
-from cpm_app.views.window.window import Feature, MainWindow
+from cpm_app.views.window.window import Feature
 from cpm_core import Image
 from cpm_core.formats import write_picture
 from cpm_core.numerics import Place
@@ -44,9 +44,9 @@ _SIDES_SHOWN_KEY = "volumes/three_slices"
 class SlicesFeature(Feature):
     """Line below the canvas, keys and wheel that move through a volume."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        area = window.canvas_area
+    def set_up(self) -> None:
+        """Create the actions and connect them to what they depend on."""
+        window, area = self.window, self.window.canvas_area
         self.bar = SliceBar()
         self._shown: tuple[Slices | None, Image | None] = (None, None)
         self._slices = slices = window.workspace.slices
@@ -74,15 +74,11 @@ class SlicesFeature(Feature):
         def move_by(by: int) -> Callback:
             return lambda: (pages if pages.count else slices).go_by(by)
 
-        def turn_to_axis(axis: int) -> None:
-            slices.set_axis(axis)
-            window.refresh_actions()
-
         def create_axis_action(axis: int) -> ActionSpec:
             name = AXIS_NAMES[axis]
             return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}").format(axis=name),
                               tr("Show slices across this axis: {axis}.").format(axis=name),
-                              partial(turn_to_axis, axis), f"Ctrl+Shift+{axis + 1}", visible_when=has_volume,
+                              partial(slices.set_axis, axis), f"Ctrl+Shift+{axis + 1}", visible_when=has_volume,
                               checked_when=lambda _: slices.current is not None
                               and slices.current.axis == axis)  # fmt: skip
 
@@ -110,7 +106,7 @@ class SlicesFeature(Feature):
 
     def _attach_background_cache(self, view: ImageView) -> None:
         """Compute the slow parts of the slices of a view on another thread, and draw them when they are ready."""
-        view.sections.later = later = AsyncCache(self.window.session)
+        view.sections.later = later = AsyncCache(self.session)
         later.completed.connect(view.redraw_scene)
         later.completed.connect(self.window.canvas_area.strip.legend.schedule_update)
         self._slice_caches.append(later)
@@ -120,14 +116,13 @@ class SlicesFeature(Feature):
         area = self.window.canvas_area
         item, _ = area.menu_at(area.mapFromGlobal(point))
         if item != "image":
-            area.canvas.pointer.menu_wanted.emit(point)
+            area.canvas.menu_wanted.emit(point)
 
     def toggle_sides(self) -> None:
         """Show or hide the slices across the other axes, and the view in space."""
         self._sides_wanted = not self._sides_wanted
         self.window.preferences.store_key(_SIDES_SHOWN_KEY, self._sides_wanted)
         self._show_scene()
-        self.window.refresh_actions()
 
     def _show_scene(self) -> None:
         scene = self.window.canvas_area.flow.scene
@@ -170,7 +165,7 @@ class SlicesFeature(Feature):
         area.level_drag.watch_widget(view.viewport())
         area.views.addWidget(view, row, 1)
         self._attach_background_cache(view)
-        view.pointer.menu_wanted.connect(self._open_menu)
+        view.menu_wanted.connect(self._open_menu)
         view.place_wanted.connect(self._slices.go_through)
         view.slice_step_wanted.connect(self._slices.step_along)
         self.sides += (view,)
@@ -180,22 +175,21 @@ class SlicesFeature(Feature):
 class PagesFeature(Feature):
     """Line below the canvas that selects a page, actions for all pages, and their table."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Create the actions and connect them to what they depend on."""
+        window = self.window
         self._pages = pages = window.workspace.pages
         followed = window.workspace.followed_objects
         self.bar = PageBar()
         self.panel = PagePanel(pages, pages.show_row)
         self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown_at_start=False),)
         self.bar.moved.connect(pages.open_page)
-        self.bar.run_requested.connect(lambda: pages.cancel() if pages.running else pages.run_all())
-        self.bar.following_toggled.connect(self._set_following)
         self.panel.export.clicked.connect(partial(window.trigger_action, "export"))
         window.canvas_area.controls.addWidget(self.bar)
         pages.set_session_file(window.document_file)
         pages.changed.connect(self._on_pages_changed)
+        window.session.tasks.changed.connect(self._on_pages_changed)
         pages.results_changed.connect(window.refresh_actions)
-        window.session.document_changed.connect(lambda _: self._show_bar())
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
@@ -203,18 +197,27 @@ class PagesFeature(Feature):
             return pages.count > 1
 
         def can_run(situation: Situation) -> bool:
-            return not pages.running and situation.document.mode != "skeleton"
+            return situation.document.mode != "skeleton" and bool(situation.document.starts)
+
+        def set_following() -> None:
+            pages.following = not pages.following
+
+        def toggle_run() -> None:
+            (pages.cancel if pages.running else pages.run_all)()
 
         self.actions = (
             ActionSpec("run_pages", "Run", "Run all &pages",
-                       "Run every page of the stack, one after the other, in the background.", pages.run_all,
-                       "Ctrl+Shift+Return", gap=True, when=can_run, visible_when=is_stack),
+                       "Run every page of the stack, one after the other, in the background, or stop that; finished "
+                       "pages are kept.", toggle_run, "Ctrl+Shift+Return", gap=True, visible_when=is_stack,
+                       when=lambda now: pages.running or can_run(now),
+                       text_for=lambda _: tr("Stop") if pages.running else tr("Run all &pages")),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all pages after it, one after the other, in the background.",
-                       lambda: pages.run_all(pages.number), when=can_run, visible_when=is_stack),
+                       lambda: pages.run_all(pages.number), visible_when=is_stack,
+                       when=lambda now: not pages.running and can_run(now)),
             ActionSpec("follow_pages", "Run", "&Follow from page to page",
-                       "Start each page from the contours of the previous one.",
-                       lambda: self._set_following(not pages.following), visible_when=is_stack,
+                       "Start each page from the contours of the previous one instead of from the same drawing.",
+                       set_following, short=tr("Follow"), visible_when=is_stack,
                        checked_when=lambda _: pages.following),
             ActionSpec("follow_objects", "Objects", "Follow on all &pages",
                        "Find the accepted objects again on all pages after this one, in the background; pages with "
@@ -225,28 +228,18 @@ class PagesFeature(Feature):
 
     # Internal
 
-    def _set_following(self, following: bool) -> None:
-        self._pages.following = following
-        self._on_pages_changed()
-
     def _on_pages_changed(self) -> None:
-        self._show_bar()
+        self.bar.show_page(self._pages.number, self._pages.count)
         self.window.docks.set_tab_available("pages", self._pages.count > 1)
         self.window.refresh_actions()
-
-    def _show_bar(self) -> None:
-        pages, document = self._pages, self.window.session.document
-        possible = document.mode != "skeleton" and bool(document.starts)
-        self.bar.show_pages(
-            pages.number, pages.count, following=pages.following, running=pages.running, possible=possible
-        )
 
 
 class SpaceFeature(Feature):
     """View of volume, particles and surface in space, and its export as a picture or a full turn."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Create the actions and connect them to what they depend on."""
+        window = self.window
         self.panel = SpacePanel(window.session)
         self.panels = (Panel("space", "In space", self.panel, "Shift+F9", shown_at_start=False),)
         self._seen, self._objects = SpaceViewBuilder(), window.workspace.object_list
@@ -256,7 +249,7 @@ class SpaceFeature(Feature):
         self._layers = layers = window.canvas_area.canvas.layers
         window.canvas_area.flow.changed.connect(self._show_space)
         window.workspace.object_list.changed.connect(self._show_space)
-        window.session.image_changed.connect(self.update_tab)
+        self.session.image_changed.connect(self.update_tab)
         self.panel.view.picked.connect(self._on_place_picked)
         self.panel.bar.changed.connect(window.refresh_actions)
         window.canvas_area.level_drag.watch_widget(self.panel.view)
@@ -274,7 +267,7 @@ class SpaceFeature(Feature):
         room, seen, camera = self.panel.view.picture_size, self.panel.contents, self.panel.view.camera
         if seen is None or camera is None:
             return
-        session, size = self.window.session, animation_size(room)
+        session, size = self.session, animation_size(room)
         comment = provenance_comment(session)
 
         def write_view_picture(_: BackgroundTask) -> Report:
@@ -293,15 +286,15 @@ class SpaceFeature(Feature):
         """Move the slices to a place, and apply the tool in use there if it works without a slice."""
         self.window.workspace.slices.go_through(place)
         tool = self.window.canvas_area.canvas.dispatcher.tool
-        camera, image = self.panel.view.camera, self.window.session.image
+        camera, image = self.panel.view.camera, self.session.image
         if tool is not None and tool.name == "objects" and camera is not None and image is not None:
             select_body_at(self.window.workspace.object_selection, camera, image.spacing, place)
         elif tool is not None:
-            draw_shape_at(self.window.session, tool.name, place)
+            draw_shape_at(self.session, tool.name, place)
 
     def update_tab(self) -> None:
         """Show the tab for volumes only."""
-        self.window.docks.set_tab_available("space", self.window.session.scene.slices is not None)
+        self.window.docks.set_tab_available("space", self.session.scene.slices is not None)
 
     def _show_space(self, *_: object) -> None:
         self.panel.show_contents(

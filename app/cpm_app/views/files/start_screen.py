@@ -10,7 +10,6 @@ from PySide6.QtGui import QImage, QKeyEvent, QPixmap
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton, QVBoxLayout, QWidget
 
 from cpm_app.model.text.language import tr
-from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.containers import (
     PictureGrid,
     VerticalScrollArea,
@@ -98,18 +97,6 @@ class StartScreen(QWidget):
         first = self.recent if recent else self.samples
         first.setCurrentRow(0)
         first.setFocus(Qt.FocusReason.OtherFocusReason)
-
-    def use_theme(self, theme: Theme) -> None:
-        """Color the background."""
-        self.setStyleSheet(
-            f"QWidget#start {{ background: {theme.window}; }}"
-            f"QWidget#start QListView {{ background: transparent; border: none; color: {theme.text}; }}"
-            f"QWidget#start QListView::item {{ border: 2px solid transparent; border-radius: 6px; padding: 4px; }}"
-            f"QWidget#start QListView::item:hover {{ background: {theme.button}; }}"
-            f"QWidget#start QListView::item:selected {{ background: {theme.button}; color: {theme.text}; }}"
-            f"QWidget#start QListView::item:selected:focus {{ background: {theme.chosen}; color: {theme.text};"
-            f" border-color: {theme.accent}; }}"
-        )
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Leave on Esc."""

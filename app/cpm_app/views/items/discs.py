@@ -8,11 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from pyqtgraph.Qt import internals
-from PySide6.QtCore import QPointF, QRect, Qt
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPixmap
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from cpm_app.model.display.stamps import STAMP_LANES, Colors, stamp_pictures
 from cpm_app.views.items.item import ImageOverlay, to_xy
 from cpm_app.views.theme.theme import get_canvas_style
 from cpm_core.numerics import Array
@@ -36,8 +35,7 @@ class Discs(ImageOverlay):
     """Discs of one color or of a palette; their size follows the zoom within bounds.
 
     A single call of the painter draws all discs from one pixmap with the colors side by side. A pyqtgraph scatter plot
-    does the same, but spends several milliseconds on preparation because its symbols may differ; the compiled loop of
-    `MovingDiscs` needs Numba, which is not loaded yet when the window opens.
+    does the same, but spends several milliseconds on preparation because its symbols may differ.
 
     Parameters
     ----------
@@ -155,40 +153,3 @@ class Discs(ImageOverlay):
                 painter.drawEllipse(QPointF((index + 0.5) * side, side / 2), diameter / 2, diameter / 2)
             painter.end()
         return self._stamp
-
-
-class MovingDiscs(Discs):
-    """Moving discs, stamped into one picture by a compiled loop in a tenth of the time that the painter takes."""
-
-    def __init__(self, color: str, diameter: float, z: float) -> None:
-        super().__init__(color, diameter, z)
-        self._picture = np.empty((0, 0), np.uint32)
-        self._cut: tuple[QImage, Colors] = QImage(), np.empty((0, 0, 0), np.uint32)
-
-    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
-        """Draw all discs."""
-        device, transform = painter.device(), painter.worldTransform()
-        ratio, count = device.devicePixelRatioF(), len(self.position)
-        seen = transform.mapRect(self.boundingRect()).toAlignedRect() & QRect(0, 0, device.width(), device.height())
-        known, stamps = self._cut
-        if (colors := self._stamp_for(ratio, abs(transform.m11()))) is not known:
-            apart = np.frombuffer(colors.constBits(), np.uint32).reshape(side := colors.height(), -1, side)
-            stamps = np.pad(apart.swapaxes(0, 1), ((0, 0), (0, 0), (0, -side % STAMP_LANES)))
-            self._cut = colors, stamps
-        # discs that the border cuts off lie wholly within this margin
-        top, left = (math.floor(ratio * low) - stamps.shape[2] for low in (seen.top(), seen.left()))
-        shape = tuple(math.ceil(ratio * length) + 2 * stamps.shape[2] for length in (seen.height(), seen.width()))
-        if self._picture.shape != shape:
-            self._picture = np.empty(shape, np.uint32)
-        self._picture.fill(0)
-        scale, moved = np.array([transform.m22(), transform.m11()]), np.array([transform.dy(), transform.dx()])
-        marks = np.zeros(count, np.uint8) if self._marks is None else self._marks
-        opaque = painter.opacity() * (np.ones(count) if self._opacity is None else self._opacity)
-        stamp_pictures(self._picture, self.position, ratio * scale, ratio * moved - (top, left), stamps, marks, opaque)
-        drawn = QImage(self._picture.data, shape[1], shape[0], 4 * shape[1], QImage.Format.Format_ARGB32_Premultiplied)
-        drawn.setDevicePixelRatio(ratio)
-        painter.save()
-        painter.resetTransform()
-        painter.setOpacity(1.0)
-        painter.drawImage(QPointF(left / ratio, top / ratio), drawn)
-        painter.restore()

@@ -58,10 +58,9 @@ class Layers:
         return iter(self._layers.values())
 
     def draw_scene(self, scene: Scene) -> None:
-        """Draw a scene; layers that show nothing in slices get only the image there."""
-        bare = scene if scene.slices is None else Scene(scene.image, scene.display)
+        """Draw a scene."""
         for layer in self:
-            layer.set_scene(scene if layer.shown_in_slices else bare)
+            layer.set_scene(scene)
 
     def collect_legend_entries(self) -> list[LegendEntry]:
         """Collect the entries of all visible layers: contours and ground truth first, then the rest."""

@@ -7,7 +7,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import find_edge_labels
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.item import TEXT_COLOR, PinnedText
-from cpm_app.views.layers.layer import Layer, SwitchOption
+from cpm_app.views.layers.layer import Layer, Option
 from cpm_core.image import ScaleBar
 from cpm_core.numerics.types import Texts
 
@@ -37,10 +37,7 @@ class ScaleBarLayer(Layer):
     title = tr("Scale bar")
     tip = tr("A bar of round length, if the pixel size is known.")
     shortcut = "Alt+Shift+0"
-    shown_in_slices = True
-    options = (
-        SwitchOption("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),
-    )
+    options = (Option("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),)
 
     def create_items(self) -> None:
         """Create the items of the layer."""
@@ -81,7 +78,6 @@ class OrientationLayer(Layer):
     name = "orientation"
     title = tr("Orientation")
     tip = tr("Directions at the edges: right, left, anterior, posterior, superior, inferior; or the axes.")
-    shown_in_slices = True
 
     _EDGES = ((0.5, 0.0), (0.5, 1.0), (0.0, 0.5), (1.0, 0.5))
     """Top, bottom, left and right, as fractions of width and height."""

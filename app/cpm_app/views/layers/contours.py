@@ -11,7 +11,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.item import Markers
-from cpm_app.views.layers.layer import Layer, LegendEntry, Sign, SwitchOption
+from cpm_app.views.layers.layer import Layer, LegendEntry, Option, Sign
 from cpm_app.views.theme import theme
 from cpm_core import Truth
 
@@ -38,9 +38,8 @@ class ContourLayer(Layer):
     title = tr("Contours")
     tip = tr("Closed and open contours of the run.")
     shortcut = "Alt+4"
-    shown_in_slices = True
     colors = (theme.CONTOUR_COLOR,)
-    options = (SwitchOption("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),)
+    options = (Option("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),)
 
     def create_items(self) -> None:
         """Create the items of the layer."""
@@ -107,7 +106,6 @@ class TruthLayer(Layer):
     name = "truth"
     title = tr("Ground truth")
     tip = tr("True boundaries; missing contours dashed, wrong contours wide.")
-    shown_in_slices = True
     colors = (theme.TRUTH_COLOR, theme.MISSING_COLOR, theme.WRONG_COLOR)
 
     def create_items(self) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import pyqtgraph as pg
@@ -12,7 +13,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.shape_sections import ChargeSection, Section, StartSection, cut_sphere
+from cpm_app.model.volume.shape_sections import Cut, Section, cut_sphere
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.discs import NO_POSITIONS, Discs
@@ -24,16 +25,20 @@ from cpm_core.numerics import Array, Place
 from cpm_core.numerics.types import Extent
 from cpm_core.shapes import (
     Barrier,
+    Box,
+    BoxGrid,
+    BoxThreshold,
     Charge,
     Circle,
     Ellipse,
     Everywhere,
     Grid,
+    Interest,
     Limit,
     Points,
     Polygon,
-    Region,
     SeedingKind,
+    Shape,
     Sphere,
     Start,
     Stroke,
@@ -73,10 +78,11 @@ _CHARGE_SIGN_SIZE = 11.0
 _SEED_DIAMETERS: dict[SeedingKind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
 """Diameters of computed particles [px of the screen], smaller for kinds with many; None means areas."""
 
-_Line = Circle | Ellipse | Polygon | Stroke | StartSection
+_Line = Circle | Ellipse | Polygon | Stroke | Sphere | Box
 """Starts that are shown as lines with their particles."""
 
-_AnyCharge = Charge | ChargeSection
+_Area = Grid | Threshold | BoxGrid | BoxThreshold
+"""Starts that are shown as areas with their particles."""
 
 # pyqtgraph caches the picture of a symbol by its brush and pen objects, so equal colors must share them
 _cached_brush = lru_cache(pg.mkBrush)
@@ -93,14 +99,14 @@ class RegionVeil(ImageOverlay):
         self._veil = QPainterPath()
         enable_caching(self)
 
-    def show_regions(self, regions: list[Region]) -> None:
+    def show_regions(self, regions: list[Section]) -> None:
         """Dim everything outside the regions; without regions, dim nothing."""
         if not regions and not self.count:
             return
         self._veil = QPainterPath()
         if regions:
             self._veil.addRect(self._room)
-            for outline in _shape_outlines(regions):
+            for outline in _shape_outlines(regions, Interest):
                 inside = pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(outline)))
                 # A self-crossing path has no holes: by this rule, everything that it winds around is inside.
                 inside.setFillRule(Qt.FillRule.WindingFill)
@@ -161,7 +167,6 @@ class DrawingLayer(Layer):
     title = tr("Drawing")
     tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
     shortcut = "Alt+6"
-    shown_in_slices = True
     draft_shown = Signal(object, object, str, bool)
     """Another draft is shown: the arguments of `show_draft`."""
     ring_shown = Signal(object, float, str, object)
@@ -300,16 +305,15 @@ class DrawingLayer(Layer):
         """Show lines, areas and handles; hide the seeds during a run, because they would cover its particles."""
         selected, shapes = self.selected_shape, self._shapes
         rest = [shape for shape in shapes if shape is not selected]
-        self._lines.show_paths([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
-        self._areas.show_paths([shape.outline for shape in rest if _is_area(shape)])
-        self._selected_lines.show_paths(
-            _shape_outlines([selected] if isinstance(selected, _Line | Grid | Threshold | Limit) else [])
-        )
+        self._lines.show_paths(_shape_outlines(rest, _Line))
+        self._areas.show_paths(_shape_outlines(rest, _Area))
+        chosen = [] if selected is None else [selected]
+        self._selected_lines.show_paths(_shape_outlines(chosen, _Line | _Area | Limit))
         # A selected circle shows handles; a selected stroke can be recognized only by its particles.
-        pointed = [selected] if isinstance(selected, Points | Stroke) else []
-        self._selected_points.show_discs(_shape_seeds(pointed))
-        seen = () if self.scene.has_particles else rest if pointed else shapes
-        self._seeds.show_discs(_shape_seeds([shape for shape in seen if isinstance(shape, _Line | Points | Grid)]))
+        pointed = _shape_seeds(chosen, Points | Stroke)
+        self._selected_points.show_discs(pointed)
+        seen = () if self.scene.has_particles else rest if len(pointed) else shapes
+        self._seeds.show_discs(_shape_seeds(seen, _Line | Points | Grid | BoxGrid))
         self._handles.show_markers(selected.handles() if selected else ())
         self._show_computed()
 
@@ -325,22 +329,23 @@ class DrawingLayer(Layer):
     def _show_limits_and_charges(self) -> None:
         """Show regions, barriers and placed charges."""
         selected, shapes = self.selected_shape, self._shapes
-        regions = [shape for shape in shapes if isinstance(shape, Region)]
+        regions = [shape for shape in shapes if isinstance(_whole_shape(shape), Interest)]
         self._dim.show_regions(regions)
-        self._regions.show_paths(_shape_outlines(regions))
-        self._barriers.show_paths(_shape_outlines([shape for shape in shapes if isinstance(shape, Barrier)]))
-        charges = [shape for shape in shapes if isinstance(shape, _AnyCharge)]
-        self._rings.show_paths(
-            [_charge_ring(charge, CHARGE_RADIUS) for charge in charges], [_charge_color(charge) for charge in charges]
-        )
-        self._reach.show_paths([_charge_ring(selected, CHARGE_REACH)] if isinstance(selected, _AnyCharge) else [])
-        charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
-        places = [charge.position for charge in charges]
+        self._regions.show_paths(_shape_outlines(regions, Interest))
+        self._barriers.show_paths(_shape_outlines(shapes, Barrier))
+        found = [(shape, whole) for shape in shapes if isinstance(whole := _whole_shape(shape), Charge)]
+        rings = [(self._ring_outline(whole.position, CHARGE_RADIUS), _charge_color(whole)) for _, whole in found]
+        self._rings.show_paths([ring for ring, _ in rings], [color for _, color in rings])
+        reaching = [whole.position for shape, whole in found if shape is selected]
+        self._reach.show_paths([self._ring_outline(position, CHARGE_REACH) for position in reaching])
+        found = [(shape, whole) for shape, whole in found if shape is whole or len(shape.outline)]
+        charges = [whole for _, whole in found]
+        places = self._flatten_places([charge.position for charge in charges])
         rims = [
             _cached_pen(theme.SELECTED_COLOR, width=2.6)
-            if each is selected
+            if shape is selected
             else _cached_pen(theme.CANVAS_HALO_COLOR, width=1.4)
-            for each in charges
+            for shape, _ in found
         ]
         self._charges.show_markers(
             places,
@@ -354,7 +359,7 @@ class DrawingLayer(Layer):
         """Set the opacity; starts are faint behind a run."""
         super().apply_opacity()
         selected = self.selected_shape
-        if self.scene.has_particles and not isinstance(selected, Start | StartSection):
+        if self.scene.has_particles and not isinstance(_whole_shape(selected), Start):
             for item in self._starts:
                 item.setOpacity(self.opacity * _BEHIND_RUN_OPACITY)
         for kind, discs in self.computed.items():
@@ -367,30 +372,24 @@ def _create_shape_curves(color: str, z: float, width: float, halo: float = 3.6, 
     return Curves(color, z, width, halo, dashed, "shapes")
 
 
-def _is_area(shape: Section) -> bool:
-    """Tell whether a start is shown as an area with its particles."""
-    return isinstance(shape.line if isinstance(shape, StartSection) else shape, Grid | Threshold)
+def _whole_shape(section: Section | None) -> Shape | None:
+    """Return the shape that a section is a cut of, or the shape itself."""
+    return section.shape if isinstance(section, Cut) else section
 
 
-def _shape_outlines(shapes: Sequence[_Line | Grid | Threshold | Limit]) -> list[Array]:
-    """Return the outlines of shapes, each of shape (K, 2); a region in other slices of a volume has none."""
-    return [np.array(shape.outline) for shape in shapes if len(shape.outline)]
+def _shape_outlines(shapes: Sequence[Section], kinds: Any) -> list[Array]:
+    """Return the outlines, each of shape (K, 2), of shapes of some kinds; a region in other slices has none."""
+    found = (shape.outline for shape in shapes if isinstance(_whole_shape(shape), kinds))
+    return [np.array(outline) for outline in found if len(outline)]
 
 
-def _charge_ring(charge: _AnyCharge, radius: float) -> Array:
-    return (
-        charge.cut_sphere_around(radius)
-        if isinstance(charge, ChargeSection)
-        else Circle(charge.position, radius).outline
-    )
-
-
-def _charge_color(charge: _AnyCharge) -> str:
+def _charge_color(charge: Charge) -> str:
     return theme.ATTRACTING_COLOR if charge.strength > 0.0 else theme.REPELLING_COLOR
 
 
-def _shape_seeds(shapes: Sequence[_Line | Points | Grid]) -> Array:
-    return _concatenate_positions([shape.seeds() for shape in shapes])
+def _shape_seeds(shapes: Sequence[Any], kinds: Any) -> Array:
+    """Return the particles, shape (N, 2), of shapes of some kinds, all of which have particles."""
+    return _concatenate_positions([shape.seeds() for shape in shapes if isinstance(_whole_shape(shape), kinds)])
 
 
 def _concatenate_positions(positions: Sequence[Array]) -> Array:

@@ -16,7 +16,7 @@ from cpm_app.session.scene import Scene
 from cpm_app.session.worker.prepared_methods import AREA_OVERLAY
 from cpm_app.views.items.item import enable_caching, line_pen, to_xy
 from cpm_app.views.items.tiled_image import TiledImage
-from cpm_app.views.layers.layer import ChoiceOption, Layer, LegendEntry
+from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels
@@ -31,15 +31,14 @@ _POTENTIAL_OPACITY = 0.75
 """Opacity of the potential over the image when the layer is fully opaque."""
 
 
-def _create_map_option(names: Sequence[str], tip: str) -> ChoiceOption:
-    return ChoiceOption("map", tr("Colors"), {name: color_maps.COLOR_MAPS[name] for name in names}, names[0], tip)
+def _create_map_option(names: Sequence[str], tip: str) -> Option:
+    return Option("map", tr("Colors"), names[0], tip, {name: color_maps.COLOR_MAPS[name] for name in names})
 
 
 class ScalarOverlay(Layer):
     """A scalar overlay, shape (H, W), in the colors of a map; the worker computes it only while it is shown."""
 
     initially_shown = False
-    shown_in_slices = True
     z: ClassVar[float]
     """Place in the stack of layers."""
 
@@ -93,7 +92,6 @@ class StartAreaLayer(ScalarOverlay):
         "reach allows."
     )
     initially_shown = True
-    shown_in_slices = False
     colors = (theme.AREA_COLOR,)
     z = 0.95
 
@@ -170,22 +168,15 @@ class FieldLayer(Layer):
     tip = tr("Direction in which edges pull.")
     shortcut = "Alt+9"
     initially_shown = False
-    shown_in_slices = True
     colors = (theme.FIELD_COLOR,)
 
     def create_items(self) -> None:
         """Create the items of the layer."""
-        self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD_COLOR, 1.0), antialias=True, connect="pairs")
-        self._item.setZValue(2)
-        enable_caching(self._item)
-        self.add_items(self._item)
+        self.arrows = pg.PlotCurveItem(pen=line_pen(theme.FIELD_COLOR, 1.0), antialias=True, connect="pairs")
+        self.arrows.setZValue(2)
+        enable_caching(self.arrows)
+        self.add_items(self.arrows)
         self.view.sigRangeChanged.connect(self._draw_arrows)
-
-    @property
-    def arrow_points(self) -> Array:
-        """Ends of the lines drawn (row, col), shape (N, 2)."""
-        x, y = self._item.getData()
-        return np.empty((0, 2)) if x is None else np.stack([y, x], axis=1)
 
     def apply_visibility(self) -> None:
         """Request the field only while it is shown."""
@@ -199,10 +190,10 @@ class FieldLayer(Layer):
 
     def _draw_arrows(self, *_: object) -> None:
         field = self.scene.overlays.get("field") if self.shown else None
-        self._item.setVisible(field is not None)
+        self.arrows.setVisible(field is not None)
         if field is not None:
             pixel = float(self.view.viewPixelSize()[0])
-            self._item.setData(
+            self.arrows.setData(
                 *to_xy(build_arrow_lines(*find_arrow_ends(np.asarray(field), self.view.viewRect(), pixel)))
             )
 

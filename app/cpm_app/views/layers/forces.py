@@ -10,11 +10,11 @@ import pyqtgraph as pg
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import ForcesProbed, probe_forces
-from cpm_app.views.items.item import FAINT_TEXT_COLOR, Markers, PinnedText, line_pen, to_xy
+from cpm_app.views.items.item import FAINT_TEXT_COLOR, Markers, PinnedText, line_pen, to_position, to_xy
 from cpm_app.views.layers.fields import build_arrow_lines
-from cpm_app.views.layers.layer import AmountOption, Layer
+from cpm_app.views.layers.layer import Layer, Option
 from cpm_app.views.theme import theme
-from cpm_core.numerics import Position
+from cpm_core.numerics import Place
 
 FORCE_KINDS = {
     "coulomb": (tr("Coulomb"), theme.COULOMB_COLOR),
@@ -53,10 +53,15 @@ class ForceLayer(Layer):
     tip = tr("Coulomb, Lorentz and damping force on the particle nearest to the pointer.")
     shortcut = "Alt+3"
     initially_shown = False
-    shown_in_slices = True
     colors = (theme.COULOMB_COLOR, theme.LORENTZ_COLOR, theme.DAMPING_COLOR)
     options = (
-        AmountOption("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),
+        Option(
+            "length",
+            tr("Length"),
+            80.0,
+            tr("Length of the longest arrow, in px of the screen."),
+            bounds=(20.0, 200.0, 5.0),
+        ),
     )
 
     def create_items(self) -> None:
@@ -75,12 +80,12 @@ class ForceLayer(Layer):
         """Forces that are shown."""
         self.lines: list[tuple[str, str, str]] = []
         """Name, color and magnitude of each force in the legend."""
-        self._pointer: Position | None = None
+        self._pointer: Place | None = None
         self._draw_arrows()
         self.view.sigRangeChanged.connect(self._draw_arrows)
 
-    def set_pointer(self, place: Position | None) -> None:
-        """Set the position (row, col) of the pointer, or None when it has left."""
+    def set_pointer(self, place: Place | None) -> None:
+        """Set the place of the pointer in the image or in the volume, or None when it has left."""
         self._pointer = place
         self._request_forces()
 
@@ -109,13 +114,11 @@ class ForceLayer(Layer):
         snapshot = self.scene.snapshot
         if not self.shown or snapshot is None:
             return
-        seen = self.view.viewRect().center()
-        place = (seen.y(), seen.x()) if self._pointer is None else self._pointer
-        reach = math.inf if self._pointer is None else _PROBE_RADIUS * float(self.view.viewPixelSize()[0])
-        here = None if self.scene.slices is None else self.scene.slices.current
-        self.requests.post_command(
-            probe_forces(snapshot.generation, place if here is None else here.lift_position(place), reach)
-        )
+        place, reach = self._pointer, _PROBE_RADIUS * float(self.view.viewPixelSize()[0])
+        if place is None:
+            place, reach = to_position(self.view.viewRect().center()), math.inf
+            place = place if self.scene.slices is None else self.scene.slices.current.lift_position(place)
+        self.requests.post_command(probe_forces(snapshot.generation, place, reach))
 
     def _show_probed(self, probed: ForcesProbed | None) -> None:
         self.probed = probed

@@ -21,7 +21,7 @@ from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import shade_image
 from cpm_app.views.items.item import enable_caching
 from cpm_app.views.items.tiled_image import TiledImage
-from cpm_app.views.layers.layer import AmountOption, ChoiceOption, Layer
+from cpm_app.views.layers.layer import Layer, Option
 from cpm_app.views.theme import color_maps
 from cpm_core.numerics.types import Pixels
 
@@ -66,21 +66,20 @@ class ImageLayer(Layer):
     title = tr("Image")
     tip = tr("The image itself.")
     shortcut = "Alt+0"
-    shown_in_slices = True
     options = (
-        ChoiceOption(
+        Option(
             "shown",
             tr("Shown"),
-            {_SHOW_COLORS: tr("In color"), _SHOW_CHANNEL: tr("Channel of the run")},
             _SHOW_COLORS,
             tr("A color image in its colors, or the channel in which a run finds edges."),
+            {_SHOW_COLORS: tr("In color"), _SHOW_CHANNEL: tr("Channel of the run")},
         ),
-        ChoiceOption(
-            "map", tr("Colors"), color_maps.COLOR_MAPS, color_maps.GRAY_MAP, tr("Colors from dark to bright.")
-        ),
-        ChoiceOption(
+        Option("map", tr("Colors"), color_maps.GRAY_MAP, tr("Colors from dark to bright."), color_maps.COLOR_MAPS),
+        Option(
             "range",
             tr("Range"),
+            WHOLE_RANGE,
+            tr("Range of gray values; values below are black, values above are white."),
             {
                 WHOLE_RANGE: tr("All gray values"),
                 AUTOMATIC_RANGE: tr("All except 0.1 % at either end"),
@@ -88,17 +87,13 @@ class ImageLayer(Layer):
                 "5": tr("All except 5 % at either end"),
                 _MANUAL_RANGE: tr("By hand"),
             },
-            WHOLE_RANGE,
-            tr("Range of gray values; values below are black, values above are white."),
         ),
-        AmountOption(
+        Option(
             "gamma",
             tr("Gamma"),
-            0.2,
-            3.0,
-            0.05,
             1.0,
             tr("Smaller values bring out dark areas, larger ones bright areas."),
+            bounds=(0.2, 3.0, 0.05),
         ),
     )
 

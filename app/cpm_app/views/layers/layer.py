@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import field
 from typing import ClassVar, Literal, Protocol
 
 import pyqtgraph as pg
@@ -19,62 +20,36 @@ Value = str | float | bool
 
 
 @frozen
-class ChoiceOption:
-    """One of several alternatives.
+class Option:
+    """An option of a layer: on or off, one of several alternatives, or a number.
 
     Attributes
     ----------
     name, title, tip : str
         Name in a session file, name in the panel, and a sentence on its effect.
+    default : str, float or bool
+        The default; a bool for an option that is on or off.
     choices : mapping
-        Names and titles of the alternatives.
-    default : str
-        The default.
+        Names and titles of the alternatives, if there are any.
+    bounds : tuple of float
+        Smallest and largest number, and increment, of an option that is a number.
     """
 
     name: str
     title: str
-    choices: Mapping[str, str]
-    default: str
+    default: Value
     tip: str
+    choices: Mapping[str, str] = field(default_factory=dict)
+    bounds: tuple[float, float, float] = (0.0, 1.0, 0.05)
 
     def validate_value(self, value: object) -> Value | None:
-        """Return the value to store, None if it is not one of the alternatives."""
-        return value if isinstance(value, str) and value in self.choices else None
-
-
-@frozen
-class AmountOption:
-    """A number from `low` to `high` in increments of `step`; other fields as in `ChoiceOption`."""
-
-    name: str
-    title: str
-    low: float
-    high: float
-    step: float
-    default: float
-    tip: str
-
-    def validate_value(self, value: object) -> Value | None:
-        """Return the value to store, None if it is not a number within the bounds."""
-        return float(value) if isinstance(value, int | float) and self.low <= value <= self.high else None
-
-
-@frozen
-class SwitchOption:
-    """An option that is on or off; other fields as in `ChoiceOption`."""
-
-    name: str
-    title: str
-    default: bool
-    tip: str
-
-    def validate_value(self, value: object) -> Value | None:
-        """Return the value to store, None if it is not a bool."""
-        return value if isinstance(value, bool) else None
-
-
-Option = ChoiceOption | AmountOption | SwitchOption
+        """Return the value to store, None if it is of another kind or out of bounds."""
+        if isinstance(self.default, bool):
+            return value if isinstance(value, bool) else None
+        if self.choices:
+            return value if isinstance(value, str) and value in self.choices else None
+        low, high, _ = self.bounds
+        return float(value) if isinstance(value, int | float) and low <= value <= high else None
 
 
 Sign = Literal["line", "dashed", "dot", "check", "area"]
@@ -156,8 +131,6 @@ class Layer(QObject):
     """Colors of its legend."""
     options: ClassVar[tuple[Option, ...]] = ()
     """Options besides the opacity."""
-    shown_in_slices: ClassVar[bool] = False
-    """Whether it shows anything in the slices of a volume."""
 
     changed = Signal()
     """Visibility, opacity or an option has changed."""
@@ -177,7 +150,7 @@ class Layer(QObject):
         """Create the items of the layer."""
 
     def add_items(self, *items: QGraphicsItem, switch: str = "") -> None:
-        """Put items without a parent on the canvas; with `switch`, show them only while that `SwitchOption` is on."""
+        """Put items without a parent on the canvas; with `switch`, show them only while that option is on."""
         for item in items:
             self._items.append((item, switch))
             if item.parentItem() is None:
@@ -245,11 +218,11 @@ class Layer(QObject):
         self.apply_visibility()
 
     def get_choice(self, name: str) -> str:
-        """Return the value of a `ChoiceOption`."""
+        """Return the value of an option with alternatives."""
         return str(self.option_values[name])
 
     def get_amount(self, name: str) -> float:
-        """Return the value of an `AmountOption`."""
+        """Return the value of an option that is a number."""
         return float(self.option_values[name])
 
     def view_state(self) -> dict[str, object]:

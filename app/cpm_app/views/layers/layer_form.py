@@ -24,7 +24,7 @@ from PySide6.QtWidgets import (
 
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.views.layers.image_layer import CT_WINDOWS, ImageLayer, format_window, window_from_level
-from cpm_app.views.layers.layer import ChoiceOption, Layer, Option, SwitchOption
+from cpm_app.views.layers.layer import Layer, Option
 from cpm_app.views.theme import color_maps
 from cpm_app.views.widgets.containers import create_dim_label, fill_layout
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
@@ -80,11 +80,11 @@ class LayerForm(QWidget):
     def _create_field(self, option: Option) -> tuple[QWidget, Callable[[Any], object]]:
         """Create the field of an option, and the function that shows a value in it."""
         set_option = partial(self.layer.set_option, option.name)
-        if isinstance(option, SwitchOption):
+        if isinstance(option.default, bool):
             switch = QCheckBox(option.title)
             switch.toggled.connect(set_option)
             return switch, switch.setChecked
-        if isinstance(option, ChoiceOption):
+        if option.choices:
             box = ChoiceBox(option.choices)
             box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
             box.setIconSize(QSize(36, 12))
@@ -92,7 +92,7 @@ class LayerForm(QWidget):
                 box.setItemIcon(index, color_maps.create_map_icon(name) if name in color_maps.COLOR_MAPS else QIcon())
             box.value_selected.connect(set_option)
             return box, box.show_value
-        slider = MarkedSlider(option.low, option.high, option.step, option.default)
+        slider = MarkedSlider(*option.bounds, float(option.default))
         slider.moved_to.connect(set_option)
         slider.restored.connect(lambda: set_option(option.default))
         figure = QLabel(alignment=Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)

@@ -13,7 +13,7 @@ from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves, FilledArea, Fills
 from cpm_app.views.items.item import Markers, TextLabels
-from cpm_app.views.layers.layer import AmountOption, Layer, LegendEntry, SwitchOption
+from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import theme
 from cpm_core import Selection
 from cpm_core.numerics import Array
@@ -50,11 +50,10 @@ class ObjectLayer(Layer):
     title = tr("Objects")
     tip = tr("Accepted objects by class, and proposals, dashed.")
     shortcut = "Alt+5"
-    shown_in_slices = True
     colors = (DEFAULT_CLASSES[0].color, theme.PROPOSAL_COLOR)
     options = (
-        AmountOption("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),
-        SwitchOption("names", tr("Names"), True, tr("Show the names of objects.")),
+        Option("fill", tr("Area"), 0.25, tr("Opacity of the areas.")),
+        Option("names", tr("Names"), True, tr("Show the names of objects.")),
     )
 
     def create_items(self) -> None:

@@ -13,16 +13,16 @@ from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, color_partic
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.scene import Scene
-from cpm_app.views.items.discs import NO_POSITIONS, MovingDiscs
+from cpm_app.views.items.discs import NO_POSITIONS, Discs
 from cpm_app.views.items.item import PinnedText
-from cpm_app.views.layers.layer import ChoiceOption, Layer, LegendEntry
+from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
-DARK_MAP_FRACTION = 0.18
+_DARK_MAP_FRACTION = 0.18
 """Fraction of the color maps that is too dark to stand out from a dark image."""
 
-UNKNOWN_COLOR = theme.JUNCTION_COLOR
+_UNKNOWN_COLOR = theme.JUNCTION_COLOR
 """Color of particles whose quantity is not known yet; no color map contains it."""
 
 _LEGEND_WIDTH = 154
@@ -35,7 +35,7 @@ _LEGEND_HTML = (
     f"<table width='{_LEGEND_WIDTH}' cellspacing='0' cellpadding='1'>"
     "<tr><td colspan='3' align='center'>{title}</td></tr>"
     f"<tr><td colspan='3'><img src='{{map}}' width='{_LEGEND_WIDTH}' height='{_STRIP_HEIGHT}'></td></tr><tr><td>0</td>"
-    f"<td align='center' style='color:{UNKNOWN_COLOR}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
+    f"<td align='center' style='color:{_UNKNOWN_COLOR}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
 )
 """Template of the legend: title, a strip of colors, and the values at its ends."""
 
@@ -80,7 +80,6 @@ class ParticleLayer(Layer):
     title = tr("Particles")
     tip = tr("Moving, and nearly at rest.")
     shortcut = "Alt+1"
-    shown_in_slices = True
     colors = (theme.MOVING_COLOR, theme.RESTING_COLOR)
     color_choices: ClassVar = {
         _BY_STATE: tr("Moving or at rest"),
@@ -88,38 +87,38 @@ class ParticleLayer(Layer):
     }
     """Names and titles of the quantities that the color can show."""
     options = (
-        ChoiceOption(
+        Option(
             "colour",
             tr("Color by"),
-            color_choices,
             _BY_STATE,
             " ".join(quantity.tip for quantity in QUANTITIES.values()),
+            color_choices,
         ),
-        ChoiceOption(
+        Option(
             "map",
             tr("Colors"),
-            {name: color_maps.COLOR_MAPS[name] for name in _QUANTITY_MAPS},
             "viridis",
             tr("Colors from low to high."),
+            {name: color_maps.COLOR_MAPS[name] for name in _QUANTITY_MAPS},
         ),
-        ChoiceOption(
+        Option(
             "done",
             tr("After a run"),
+            _SMALL_AFTER_RUN,
+            tr("How particles are shown when a run has ended."),
             {
                 _SMALL_AFTER_RUN: tr("Small and pale"),
                 _SAME_AFTER_RUN: tr("As during the run"),
                 _HIDDEN_AFTER_RUN: tr("Hidden"),
             },
-            _SMALL_AFTER_RUN,
-            tr("How particles are shown when a run has ended."),
         ),
     )
 
     def create_items(self) -> None:
         """Create the items of the layer."""
         # Contours lie above the particles at rest and below those that still move.
-        self._resting = MovingDiscs(theme.RESTING_COLOR, 7.0, 3.0)
-        self._moving = MovingDiscs(theme.MOVING_COLOR, 6.0, _RUNNING_Z)
+        self._resting = Discs(theme.RESTING_COLOR, 7.0, 3.0)
+        self._moving = Discs(theme.MOVING_COLOR, 6.0, _RUNNING_Z)
         self.legend = PinnedText(self.view, (1.0, 1.0))
         self._discs = (self._resting, self._moving)
         self.add_items(*self._discs, self.legend)
@@ -180,8 +179,8 @@ class ParticleLayer(Layer):
         palette: list[str] = []
         if self.get_choice("colour") != _BY_STATE:
             palette, strip = (
-                _build_quantity_palette(name := self.get_choice("map")),
-                color_maps.draw_color_strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, DARK_MAP_FRACTION),
+                build_quantity_palette(name := self.get_choice("map")),
+                color_maps.draw_color_strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, _DARK_MAP_FRACTION),
             )
             self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
         for discs in self._discs:
@@ -198,12 +197,11 @@ class ParticleLayer(Layer):
         opacity = None if near is None else 1.0 - _OFF_SLICE_FADING * near.distance
         if snapshot is not None and self.get_choice("colour") != _BY_STATE:
             quantity = QUANTITIES[self.get_choice("colour")]
-            shown = color_particles(quantity, snapshot.state, snapshot.metrics)
-            marks = shown.color_indices if near is None else shown.color_indices[near.index]
-            high = localize_number(f"{shown.high:g}")
-            unknown = tr("● too new") if (shown.color_indices == SHADE_COUNT).any() else ""
+            marks, high = color_particles(quantity, snapshot.state, snapshot.metrics)
+            unknown = tr("● too new") if (marks == SHADE_COUNT).any() else ""
+            marks, end = marks if near is None else marks[near.index], localize_number(f"{high:g}")
             self.legend.show_html(
-                _LEGEND_HTML.format(title=quantity.title, map=self.get_choice("map"), high=high, unknown=unknown)
+                _LEGEND_HTML.format(title=quantity.title, map=self.get_choice("map"), high=end, unknown=unknown)
             )
         for discs in self._discs:
             if snapshot is None:
@@ -216,8 +214,8 @@ class ParticleLayer(Layer):
         self.apply_visibility()
 
 
-def _build_quantity_palette(name: str) -> list[str]:
+def build_quantity_palette(name: str) -> list[str]:
     """Build the palette: colors from low to high, and one for unknown values."""
-    return [QColor(*map(int, row)).name() for row in color_maps.color_table(name, SHADE_COUNT, DARK_MAP_FRACTION)] + [
-        UNKNOWN_COLOR
+    return [QColor(*map(int, row)).name() for row in color_maps.color_table(name, SHADE_COUNT, _DARK_MAP_FRACTION)] + [
+        _UNKNOWN_COLOR
     ]

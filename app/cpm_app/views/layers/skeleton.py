@@ -32,7 +32,6 @@ class SkeletonLayer(Layer):
     name = "skeleton"
     title = tr("Skeleton")
     tip = tr("Center lines, colored from thin to thick, and inscribed disks.")
-    shown_in_slices = True
     colors = (theme.THICKNESS_COLORS[0], theme.THICKNESS_COLORS[-1])
 
     def create_items(self) -> None:

@@ -8,14 +8,14 @@ from pathlib import Path
 
 from PySide6.QtCore import QItemSelectionModel, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QAbstractItemView, QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QAbstractItemView, QHBoxLayout, QVBoxLayout, QWidget
 
 from cpm_app.model.document.project import STATE_WORDS, TO_PROPOSE, ImageRow
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.image_project import ImageProject
 from cpm_app.views.panels.tables import CellIndex, Column, SortableTable, TableModel
-from cpm_app.views.widgets.actions import Actions
+from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
 
 _STATES = tuple(STATE_WORDS)
@@ -85,19 +85,10 @@ class ImagePanel(QWidget):
         super().__init__()
         self._project = project
         self.table, self.summary = ImageTable(project), create_wrapped_label(dim=True)
-        self.buttons = tuple(QToolButton(self) for _ in _IMAGE_BUTTONS)
-        for button in self.buttons:
-            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
-            button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setFocusProxy(self.table)
-        row = fill_layout(QHBoxLayout(), *self.buttons, spacing=4)
+        row = fill_layout(QHBoxLayout(), *map(ActionButton, _IMAGE_BUTTONS), spacing=4)
         fill_layout(QVBoxLayout(self), self.summary, self.table, row, margins=(4, 6, 4, 6), wide=self.table)
         project.changed.connect(self.show_images)
-
-    def use_actions(self, actions: Actions) -> None:
-        """Give the buttons the actions of the menu."""
-        for button, name in zip(self.buttons, _IMAGE_BUTTONS, strict=True):
-            button.setDefaultAction(actions[name])
 
     def show_images(self) -> None:
         """Show the images with their states, and count them."""

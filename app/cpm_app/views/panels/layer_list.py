@@ -12,7 +12,6 @@ from cpm_app.views.layers import Layers
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.layers.layer_form import LayerForm
 from cpm_app.views.theme.icons import create_swatch
-from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.actions import LAYER_ACTION_PREFIX, Actions, add_menu_action
 from cpm_app.views.widgets.containers import FoldButton, VerticalScrollArea, fill_layout
 from cpm_app.views.widgets.fields import MarkedSlider
@@ -46,11 +45,6 @@ class LayersPanel(VerticalScrollArea):
                 lambda _, row=row: QTimer.singleShot(0, row, partial(self.ensureWidgetVisible, row, 0, 4))
             )
 
-    def use_theme(self, theme: Theme) -> None:
-        """Show the current colors of the layers, which the preferences can change."""
-        for row in self.rows.values():
-            row.show_color()
-
     def use_actions(self, actions: Actions) -> None:
         """Give the rows the tooltips of the actions that show or hide layers, with their keys."""
         for name, box in self.boxes.items():
@@ -67,7 +61,8 @@ class LayerRow(QWidget):
         self.box.setIconSize(QSize(16 * max(len(layer.colors), 1), 14))
         self.box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.box.toggled.connect(layer.set_shown)
-        self.show_color()
+        if layer.colors:
+            self.box.setIcon(create_swatch(*layer.colors))
         self.fold = FoldButton()
         self.fold.setFixedWidth(_FOLD_BUTTON_WIDTH)
         self.fold.setAccessibleName(tr("Settings: {layer}", layer=layer.title))
@@ -88,11 +83,6 @@ class LayerRow(QWidget):
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """Return the layer. See `MenuOwner`."""
         return f"{LAYER_ACTION_PREFIX}{self.layer.name}", point if point is not None else self.box.geometry().center()
-
-    def show_color(self) -> None:
-        """Show the current colors."""
-        if self.layer.colors:
-            self.box.setIcon(create_swatch(*self.layer.colors))
 
     def _on_layer_changed(self) -> None:
         self.box.setChecked(self.layer.shown)

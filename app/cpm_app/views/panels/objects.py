@@ -1,4 +1,4 @@
-"""Panel of the objects: a form of the selected one, the classes, and the table of objects and proposals."""
+"""Panel of the objects: figures of the selected one, the classes, and the table of objects and proposals."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import (
-    QAction,
     QColor,
     QGuiApplication,
     QKeyEvent,
@@ -21,7 +20,6 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import (
     QComboBox,
-    QGridLayout,
     QHBoxLayout,
     QLineEdit,
     QMenu,
@@ -44,6 +42,7 @@ from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_swatch, fill_colors
+from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import Image
@@ -299,31 +298,28 @@ _FIGURE_LINES = 2
 
 
 class ObjectPanel(QWidget):
-    """Form of the selected row above the table; `action` returns an action by its name, or None."""
+    """Figures of the selected row above the table."""
 
-    def __init__(self, workspace: Workspace, action: Callable[[str], QAction | None]) -> None:
+    def __init__(self, workspace: Workspace) -> None:
         super().__init__()
-        self._session, self._action = workspace.session, action
+        self._session = workspace.session
         self._object_list, self._commands = workspace.object_list, workspace.object_commands
         self._object_brush = workspace.object_brush
         self.table = ObjectTable(workspace)
         self.setFocusProxy(self.table)
-        self.name = QLineEdit()
-        self.name.setAccessibleName(tr("Name"))
-        self.name.editingFinished.connect(self._on_name_edited)
         self.figures, self.histogram = create_wrapped_label(), GrayHistogram()
         self.figures.setToolTip(CONFIDENCE_TIP)
         self.figures.setMinimumHeight(_FIGURE_LINES * self.figures.fontMetrics().lineSpacing())
-        for field in (self.name, self.figures, self.histogram):  # the table must not move under the pointer
+        for field in (self.figures, self.histogram):  # the table must not move under the pointer
             policy = field.sizePolicy()
             policy.setRetainSizeWhenHidden(True)
             field.setSizePolicy(policy)
         self.classes: dict[int, ClassRow] = {}
         self._classes = QVBoxLayout()
         self._classes.setSpacing(0)
-        self.buttons: dict[str, QToolButton] = {}
-        self._grid = QGridLayout()
-        self._grid.setSpacing(4)
+        self.buttons = {name: ActionButton(name) for name in BUTTON_ACTIONS}
+        half, each = len(BUTTON_ACTIONS) // 2, [*self.buttons.values()]
+        grid = [fill_layout(QHBoxLayout(), *row, spacing=4) for row in (each[:half], each[half:])]
         self.brush = DecimalField(*BRUSH_RADIUS_RANGE, suffix=" px")
         self.brush.setPrefix(tr("Brush") + " ")
         self.brush.setToolTip(tr("Radius of the brush; the keys [ and ] change it."))
@@ -337,11 +333,8 @@ class ObjectPanel(QWidget):
         self.shown.currentIndexChanged.connect(lambda place: self.table.show_kinds(_ROW_FILTERS[place][1]))
         self.summary = create_wrapped_label(dim=True)
         row = fill_layout(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
-        fill_layout(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush,
+        fill_layout(QVBoxLayout(self), self.figures, self.histogram, self._classes, *grid, self.brush,
                     row, self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
-        self._session.image_changed.connect(
-            lambda: self.name.setModified(False)
-        )  # a typed name does not belong to the next image
         self._update_timer = QTimer(
             self, singleShot=True, interval=0
         )  # deferred, so that several changes are shown at once
@@ -356,11 +349,7 @@ class ObjectPanel(QWidget):
         if not self.isVisible():
             return
         row = self._shown_row
-        self.name.setVisible(row is not None)
         self.figures.setVisible(row is not None)
-        self.name.setPlaceholderText(row.title if row else "")
-        if row is not None and not self.name.isModified():
-            self.name.setText(row.item.name)
         self.figures.setText(self._describe_row(row) if row else "")
         counts = row.figures.counts if row is not None and row.figures is not None else ()
         self.histogram.show_counts(self._session.image, counts, row_color(self._object_list, row) if row else "")
@@ -376,45 +365,14 @@ class ObjectPanel(QWidget):
         nothing = insert_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
         self.summary.setText(", ".join(parts) or nothing)
 
-    def ask_for_name(self) -> None:
-        """Ask for the name of the selected row.
-
-        It is edited in the table if several rows are selected or the table has the focus.
-        """
-        self.show_selected()
-        if self._shown_row is None or self.table.hasFocus():
-            for index in self.table.selectionModel().selectedRows()[:1]:
-                self.table.edit_name(index.row())
-        else:
-            self.name.setFocus()
-            self.name.selectAll()
-
     def showEvent(self, event: QShowEvent) -> None:
-        """Create the buttons when the actions exist, and show what changed while the panel was hidden."""
+        """Show what changed while the panel was hidden."""
         super().showEvent(event)
-        for name in BUTTON_ACTIONS if not self.buttons else ():
-            action = self._action(name)
-            if action is not None:
-                button = self.buttons[name] = QToolButton(self)
-                button.setDefaultAction(action)
-                button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
-                button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-                action.visibleChanged.connect(self._arrange_buttons)
-        self._arrange_buttons()
         self.show_selected()
 
     def sizeHint(self) -> QSize:
         """Return a size as narrow as the other panels."""
         return QSize(330, 500)
-
-    def _arrange_buttons(self) -> None:
-        """Place the buttons of the available actions in a grid without gaps."""
-        available = [button for button in self.buttons.values() if button.defaultAction().isVisible()]
-        for button in self.buttons.values():
-            self._grid.removeWidget(button)
-            button.setVisible(button in available)
-        for place, button in enumerate(available):
-            self._grid.addWidget(button, *divmod(place, 3))
 
     def _show_classes(self) -> None:
         listed = list_classes(self._object_list.objects)
@@ -443,9 +401,3 @@ class ObjectPanel(QWidget):
         """Selected row, or else the only proposal; None for several."""
         rows = self._object_list.selected_rows or [row for row in self._object_list.rows if row.kind == "proposal"]
         return rows[0] if len(rows) == 1 else None
-
-    def _on_name_edited(self) -> None:
-        row = self._shown_row
-        if self.name.isModified() and row is not None:
-            self.name.setModified(False)
-            self._commands.rename_row(row.key, self.name.text())

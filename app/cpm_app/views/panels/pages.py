@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QItemSelection, QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QItemSelection, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QCheckBox,
-    QComboBox,
     QHBoxLayout,
     QLabel,
     QPushButton,
@@ -25,8 +23,9 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.views.panels.run import Chart
 from cpm_app.views.panels.tables import CellIndex, Column, SortableTable, TableModel
+from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
-from cpm_app.views.widgets.fields import PLACE_JUMP, PlaceBar
+from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core.contours import Measures
 from cpm_core.numerics.types import Integers
 
@@ -114,16 +113,13 @@ class PagePanel(QWidget):
             create_wrapped_label(dim=True),
             QPushButton(tr("Export all pages…")),
         )
-        self.kind, self.chart = QComboBox(), Chart((), tr("Plot over the pages"))
-        for name, title in (("objects", tr("Objects")), ("contours", tr("Contours"))):
-            self.kind.addItem(title, name)
+        self.chart = Chart((), tr("Plot over the pages"))
         self.setFocusProxy(self.table)
-        parts = self.summary, self.kind, self.export, self.table, self.chart
+        parts = self.summary, self.export, self.table, self.chart
         fill_layout(QVBoxLayout(self), *parts, margins=(4, 6, 4, 6), wide=self.table)
         self.table.row_requested.connect(show)
         self.table.selection_changed.connect(self.show_plots)
         self.chart.clicked.connect(lambda place: pages.open_page(round(place)))
-        self.kind.activated.connect(lambda _: pages.show_kind(self.kind.currentData()))
         pages.results_changed.connect(self.show_rows)
         pages.changed.connect(self.show_plots)
         self.show_rows()
@@ -137,7 +133,6 @@ class PagePanel(QWidget):
         )
         self.table.rows.update_items(self._pages.table[1], size)
         self.export.setEnabled(first is not None)
-        self.kind.setVisible(len(self._pages.tables) > 1)
         self.show_plots()
         text = tr("No page of the stack has been run yet: run this page or all pages.")
         if found is not None and found.pages:
@@ -162,41 +157,20 @@ class PagePanel(QWidget):
 
 
 class PageBar(PlaceBar):
-    """Slider and number of the page, a check box for following objects, and a button that runs all pages."""
-
-    run_requested = Signal()
-    """The user starts or stops the run of all pages."""
-    following_toggled = Signal(bool)
-    """The user has switched whether each page starts from the contours of the previous one."""
+    """Slider and number of the page, and buttons that follow objects and run all pages."""
 
     def __init__(self) -> None:
-        super().__init__(tr("Page"), tr("Number of the page"), PLACE_JUMP)
-        self.follow, self.run = QCheckBox(tr("Follow")), QPushButton()
+        super().__init__(tr("Page"), tr("Number of the page"))
         self.slider.setTracking(False)
-        self.follow.setToolTip(
-            tr("Start each page from the contours of the previous one instead of from the same drawing.")
-        )
-        self.follow.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.run.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.follow, self.run = ActionButton("follow_pages"), ActionButton("run_pages")
         fields = (QLabel(tr("Page")), self.slider, self.number, self.total_label, self.follow, self.run)
         fill_layout(QHBoxLayout(self), *fields, margins=(10, 3, 10, 3), spacing=4, wide=self.slider).insertSpacing(4, 8)
-        self.follow.toggled.connect(self.following_toggled)
-        self.run.clicked.connect(self.run_requested)
 
     def show_keys(self) -> None:
         """Name the current keys in the tooltip."""
         self.slider.setToolTip(insert_keys(tr("Move through the pages: {key:previous_slice} and {key:next_slice}.")))
 
-    def show_pages(self, number: int, count: int, *, following: bool, running: bool, possible: bool) -> None:
+    def show_page(self, number: int, count: int) -> None:
         """Show which page is open; hide the bar unless there are several."""
         self.setVisible(count > 1)
         self.show_position(number, 1, max(count, 1))
-        with QSignalBlocker(self.follow):
-            self.follow.setChecked(following)
-        self.run.setText(tr("Stop") if running else tr("Run all pages"))
-        self.run.setToolTip(
-            tr("Stop; finished pages are kept.")
-            if running
-            else tr("Run every page of the stack, one after the other, in the background.")
-        )
-        self.run.setEnabled(running or possible)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
+from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import (
     QApplication,
     QCheckBox,
@@ -42,8 +43,7 @@ from cpm_app.model.text.language import localize_number, tr
 from cpm_app.model.text.wording import PARAMETER_FORMULAS
 from cpm_app.session.session import Session
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.actions import add_menu_action
+from cpm_app.views.widgets.actions import ActionButton, add_menu_action
 from cpm_app.views.widgets.containers import FoldableSection, create_dim_label, fill_layout
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
@@ -119,6 +119,7 @@ class ParameterRow(QWidget):
             if control.manual_default is not None:
                 field.show_value(control.manual_default)
         self._restore.setObjectName("restore")
+        self._restore.setIcon(load_icon("restore", QPalette.ColorRole.Highlight))
         self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._restore.setAccessibleName(tr("{parameter}: restore the default", parameter=control.title))
         self._restore.clicked.connect(self._restore_default)
@@ -181,10 +182,6 @@ class ParameterRow(QWidget):
         """Return the parameter. See `MenuOwner`."""
         return "parameter", point if point is not None else self.slider.geometry().center()
 
-    def use_theme(self, theme: Theme) -> None:
-        """Color the button."""
-        self._restore.setIcon(load_icon("restore", theme.accent, faded=theme.line))
-
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """End a change when the focus leaves, and restore the default on a double click on the name."""
         if watched is self._label:
@@ -227,7 +224,7 @@ class ParameterRow(QWidget):
 class ParametersPanel(QWidget):
     """Parameters of the document and presets, which are edited through the session."""
 
-    def __init__(self, session: Session, presets: QToolButton) -> None:
+    def __init__(self, session: Session, presets: QWidget) -> None:
         super().__init__()
         self._session = session
         self._contours: Contours = ()
@@ -290,7 +287,9 @@ class ParametersPanel(QWidget):
         heading = QLabel(tr("Preset"))
         heading.setObjectName("heading")
         heading.setBuddy(self.presets)
-        head = fill_layout(QHBoxLayout(), heading, self.presets, wide=self.presets)
+        style = Qt.ToolButtonStyle.ToolButtonIconOnly
+        save, delete = ActionButton("save_preset", style), ActionButton("delete_preset", style)
+        head = fill_layout(QHBoxLayout(), heading, self.presets, save, delete, spacing=2, wide=self.presets)
         # the channel is not folded away: it is the first thing that a color image needs
         shown = self.choices[CHANNEL_CHOICE], *(self.rows[name] for name in MAIN_CONTROLS)
         fill_layout(QVBoxLayout(self), head, *shown, section, spacing=2)

@@ -10,11 +10,10 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPalette, QShowEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFormLayout, QLabel, QVBoxLayout, QWidget
 
 from cpm_app.model.display.plots import PLOTS, Metrics, Plot, PlotCurve, RunMetrics
 from cpm_app.model.state.resolve import LEADING_LABELS, WindowTexts
-from cpm_app.model.state.surface_figures import SURFACE_LABEL
 from cpm_app.model.text.language import tr
 from cpm_app.views.panels.parameters import ParametersPanel
 from cpm_app.views.widgets.containers import (
@@ -24,9 +23,6 @@ from cpm_app.views.widgets.containers import (
     create_dim_label,
     fill_layout,
 )
-
-_WIDE_NUMBERS = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE_LABEL)
-"""Names of the numbers that need a row of their own."""
 
 _MIN_PANEL_HEIGHT = 120
 """Smallest height of the panel, whose content scrolls [px]."""
@@ -38,46 +34,29 @@ NumberRow = tuple[str, str, str]
 """Name, value and explanation."""
 
 
-class NumberGrid(QWidget):
-    """Names and values in a grid, two in a row, the wide ones last; only changed texts are updated."""
+class NumberForm(QWidget):
+    """Names and values below one another; only changed texts are updated."""
 
     def __init__(self) -> None:
         super().__init__()
         self._values: dict[str, QLabel] = {}
-        self._grid = QGridLayout(self)
-        self._grid.setContentsMargins(0, 0, 0, 0)
-        self._grid.setHorizontalSpacing(8)
-        self._grid.setVerticalSpacing(3)
-        self._grid.setColumnStretch(1, 3)
-        self._grid.setColumnStretch(3, 2)
+        self._form = QFormLayout(self)
+        self._form.setContentsMargins(0, 0, 0, 0)
+        self._form.setHorizontalSpacing(8)
+        self._form.setVerticalSpacing(3)
 
     def show_numbers(self, numbers: Sequence[NumberRow]) -> None:
         """Show these numbers."""
-        ordered = sorted(numbers, key=lambda number: number[0] in _WIDE_NUMBERS)
-        if [name for name, _, _ in ordered] != list(self._values):
-            self._lay_out(ordered)
-        for name, value, _ in ordered:
-            if self._values[name].text() != value:
-                self._values[name].setText(value)
-
-    def _lay_out(self, numbers: Sequence[NumberRow]) -> None:
-        for label in self.findChildren(QLabel):
-            label.hide()
-            self._grid.removeWidget(label)
-            label.deleteLater()
-        self._values = {}
-        place = 0
-        for name, _, explanation in numbers:
-            label, value = create_dim_label(name, explanation), ElidedLabel()
-            value.setToolTip(explanation)
-            value.setAccessibleName(name)
-            wide = name in _WIDE_NUMBERS
-            place += place % 2 if wide else 0
-            row, column = place // 2, 2 * (place % 2)
-            place += 2 if wide else 1
-            self._grid.addWidget(label, row, column)
-            self._grid.addWidget(value, row, column + 1, 1, 3 if wide else 1)
-            self._values[name] = value
+        if [name for name, _, _ in numbers] != [*self._values]:
+            while self._form.rowCount():
+                self._form.removeRow(0)
+            self._values = {name: ElidedLabel() for name, _, _ in numbers}
+            for name, _, explanation in numbers:
+                self._values[name].setToolTip(explanation)
+                self._values[name].setAccessibleName(name)
+                self._form.addRow(create_dim_label(name, explanation), self._values[name])
+        for name, value, _ in numbers:
+            self._values[name].setText(value)
 
 
 class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no types
@@ -194,7 +173,7 @@ class StatusPanel(QWidget):
         super().__init__()
         self._label = ElidedLabel()
         self._label.setObjectName("state")
-        self.leading, self.others = NumberGrid(), NumberGrid()
+        self.leading, self.others = NumberForm(), NumberForm()
         fill_layout(QVBoxLayout(self), self._label, self.leading, spacing=4)
 
     def show_resolved(self, resolved: WindowTexts, frames_per_second: str) -> None:

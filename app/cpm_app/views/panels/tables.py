@@ -507,10 +507,18 @@ class ItemTable(SortableTable):
         else:
             self.zoom_wanted.emit()
 
+    def edit_selected_name(self) -> None:
+        """Edit the name of the first selected row."""
+        if self._stale:
+            self._update_now()
+        for index in self.selectionModel().selectedRows()[:1]:
+            self.edit_name(index.row())
+
     def edit_name(self, row: int) -> None:
         """Edit the name in a row."""
-        if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
-            self.edit(self.rows.index(row, self.column_index("name")))
+        index = self.rows.index(row, self.column_index("name"))
+        if index.flags() & Qt.ItemFlag.ItemIsEditable and self.state() != QAbstractItemView.State.EditingState:
+            self.edit(index)
 
 
 def create_wide_button(text: str, do: Callback | None = None) -> QToolButton:
@@ -520,15 +528,4 @@ def create_wide_button(text: str, do: Callback | None = None) -> QToolButton:
     button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
     if do is not None:
         button.clicked.connect(lambda _=False: do())
-    return button
-
-
-def create_menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
-    """Create a wide button with a menu that `fill` fills whenever it opens."""
-    button = create_wide_button(text)
-    menu = QMenu(button)
-    menu.aboutToShow.connect(menu.clear)
-    menu.aboutToShow.connect(partial(fill, menu))
-    button.setMenu(menu)
-    button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
     return button

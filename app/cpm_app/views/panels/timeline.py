@@ -21,7 +21,6 @@ from PySide6.QtWidgets import (
     QScrollArea,
     QSizePolicy,
     QSpinBox,
-    QToolButton,
     QToolTip,
     QWidget,
 )
@@ -30,12 +29,9 @@ from cpm_app.model.display.lengths import round_up
 from cpm_app.model.state.situation import RunStatus
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
-from cpm_app.session.timeline.stored_runs import TimelineBranch
-from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.actions import Actions, add_menu_action
+from cpm_app.session.timeline.branches import TimelineBranch
+from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import claim_key, create_dim_label, fill_layout
-from cpm_app.views.window.dialogs import ask_for_text
 
 _BRANCH_HEIGHT = 20
 """Height of a branch [px]."""
@@ -305,20 +301,15 @@ class TimelinePanel(QWidget):
         self._status = status
         self.view = TimelineView(navigation)
         self.setFocusProxy(self.view)
-        self.buttons = {name: _create_button(name) for name in ("first", "back", "forward", "last")}
+        style = Qt.ToolButtonStyle.ToolButtonIconOnly
+        moves, others = ("first", "back", "forward", "last"), ("rename", "delete", "parameters")
+        going, changing = ([ActionButton(f"timeline_{name}", style) for name in names] for names in (moves, others))
         self.step = QSpinBox()
         self.step.setKeyboardTracking(False)
         self.step.setAccessibleName(tr("Step"))
         self.step.setToolTip(tr("Shown step; type a number to go there."))
         self.step.valueChanged.connect(lambda step: navigation.go_to(navigation.current_step[0], step))
         self._total_label = create_dim_label()
-        self.parameters = _create_button("parameters")
-        self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
-        self.parameters.clicked.connect(navigation.use_step_parameters)
-        self.rename = add_menu_action(self.view, tr("Re&name the branch…"), self._rename_branch)
-        self.branch = _create_button("branch")
-        self.branch.setToolTip(tr("Rename or delete the branch."))
-        self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         scroll = self._scroll = QScrollArea(widgetResizable=True)
         scroll.setWidget(self.view)
         scroll.setFrameShape(QFrame.Shape.NoFrame)
@@ -326,31 +317,16 @@ class TimelinePanel(QWidget):
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scroll.setMinimumWidth(_MIN_TRACK_WIDTH)
         scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
-        fields = self.branch, self.step, self._total_label, self.parameters, scroll
-        fill_layout(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
+        parts = *going, self.step, self._total_label, *changing, scroll
+        fill_layout(QHBoxLayout(self), *parts, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
         self._update_timer = QTimer(self, singleShot=True, interval=_RUNNING_UPDATE_INTERVAL)
         self._update_timer.timeout.connect(self._show_step)
         navigation.changed.connect(self._on_timeline_changed)
         self._show_step()
 
-    def use_actions(self, actions: Actions) -> None:
-        """Give the buttons the actions of the menu."""
-        for name, button in self.buttons.items():
-            button.setDefaultAction(actions[f"timeline_{name}"])
-        self.branch.addActions([self.rename, actions["timeline_delete"]])
-
-    def use_theme(self, theme: Theme) -> None:
-        """Color the icons of the buttons without an action."""
-        self.branch.setIcon(load_icon("branch", theme.text, faded=theme.line))
-        self.parameters.setIcon(load_icon("restore", theme.text, faded=theme.line))
-
     @property
     def _running(self) -> bool:
         return self._status().phase == "running"
-
-    def show_parameters(self) -> None:
-        """Offer the parameters of the step if they differ from the current ones."""
-        self.parameters.setVisible(not self._running and self._navigation.differing_parameters is not None)
 
     def minimumSizeHint(self) -> QSize:
         """Return room for the buttons and a short track."""
@@ -379,24 +355,7 @@ class TimelinePanel(QWidget):
             self.step.setValue(step)
         self.step.setEnabled(has_branch)
         self._total_label.setText(tr("of {last}", last=last) if has_branch else "")
-        self.branch.setEnabled(count > 0)
-        self.rename.setEnabled(has_branch)
-        self.show_parameters()
         self.view.show_branches()
         self._scroll.setFixedHeight(self.view.height_of(min(count, _MAX_SHOWN_BRANCHES)))
         if has_branch:
             self._scroll.ensureVisible(0, round(self.view.step_position(branch, step).y()), 0, _BRANCH_HEIGHT)
-
-    def _rename_branch(self) -> None:
-        known = self._navigation.find_branch(self._navigation.current_step[0])
-        if known is not None:
-            title, button = tr("Name of the branch"), tr("Use this name")
-            name = ask_for_text(self.window(), title, tr("Name:"), button, known.name)
-            if name and name.strip() not in ("", known.name):
-                self._navigation.rename_branch(known.identity, name)
-
-
-def _create_button(name: str) -> QToolButton:
-    button = QToolButton(autoRaise=True)
-    button.setObjectName(f"timeline_{name}")
-    return button

@@ -1,13 +1,15 @@
-"""Icons from the SVG files of the program in the color of the text around them, swatches, and a menu of colors."""
+"""Icons from the SVG files of the program, swatches, and a menu of colors.
+
+They are drawn in the colors of the moment, so that they follow the theme and the preferences by themselves.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import cache
 
-from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QCursor, QGuiApplication, QIcon, QPainter, QPixmap
+from PySide6.QtCore import QByteArray, QRect, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QCursor, QGuiApplication, QIcon, QIconEngine, QPainter, QPalette, QPixmap
 from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtWidgets import QColorDialog, QMenu, QWidget
 
@@ -15,35 +17,55 @@ from cpm_app.model.text.assets import find_asset
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.theme import get_canvas_style
 
-_ICON_SIZES = (16, 20, 24)
-"""Sizes of icons in menus, on buttons, and of pointers [device-independent px]."""
-
 SWATCH_RIM = "#858b93"
 """Color of the rim of a swatch, which sets any color off from a light and from a dark background."""
 
+_SWATCH_GAP = 5.0
+"""Space between the discs of a swatch [px]."""
+
+
+class _IconEngine(QIconEngine):
+    """Draws an icon when it is needed; `draw` returns its picture for a size, and whether it is enabled."""
+
+    def __init__(self, draw: Callable[[QSize, bool], QPixmap]) -> None:
+        super().__init__()
+        self._draw = draw
+
+    def clone(self) -> QIconEngine:
+        """Return an engine that draws the same icon."""
+        return _IconEngine(self._draw)
+
+    def paint(self, painter: QPainter, rect: QRect, mode: QIcon.Mode, state: QIcon.State) -> None:
+        """Draw the icon on a widget."""
+        painter.drawPixmap(rect, self.pixmap(rect.size() * painter.device().devicePixelRatio(), mode, state))
+
+    def pixmap(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
+        """Return the picture of the icon."""
+        return self._draw(size, mode != QIcon.Mode.Disabled)
+
 
 @cache
-def load_icon(name: str, color: str, faded: str | None = None) -> QIcon:
-    """Return an icon by its name, rendered once.
+def load_icon(name: str, role: QPalette.ColorRole = QPalette.ColorRole.WindowText) -> QIcon:
+    """Return the icon of an SVG file, in a color of the palette, and pale where it is disabled."""
 
-    Parameters
-    ----------
-    name : str
-        Name of the SVG file without its suffix.
-    color : str
-        Color that replaces ``currentColor`` in the file.
-    faded : str, optional
-        Color of the disabled icon.
-    """
+    def draw(size: QSize, enabled: bool) -> QPixmap:
+        color = QGuiApplication.palette().color(role if enabled else QPalette.ColorRole.Mid)
+        return _draw_symbol(name, color.name(), size.height())
+
+    return QIcon(_IconEngine(draw))
+
+
+@cache
+def _draw_symbol(name: str, color: str, side: int) -> QPixmap:
+    """Draw an SVG file with a color in place of its ``currentColor``."""
     source = find_asset(f"icons/{name}.svg").read_text(encoding="utf-8")
-    ratio = max(screen.devicePixelRatio() for screen in QGuiApplication.screens())
-    made = QIcon()
-    for mode, tint in ((QIcon.Mode.Normal, color), (QIcon.Mode.Disabled, faded)):
-        if tint is not None:
-            renderer = QSvgRenderer(QByteArray(source.replace("currentColor", tint).encode()))
-            for size in _ICON_SIZES:
-                made.addPixmap(_render_svg(renderer, math.ceil(ratio * size)), mode)
-    return made
+    pixmap = QPixmap(side, side)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    QSvgRenderer(QByteArray(source.replace("currentColor", color).encode())).render(painter)
+    painter.end()
+    # a pixmap that was painted on keeps the memory of its painter, which exceeds that of its pixels
+    return pixmap.copy()
 
 
 @cache
@@ -53,53 +75,31 @@ def create_pointer(name: str) -> QCursor:
     pixmap = QPixmap(side, side)
     pixmap.fill(Qt.GlobalColor.transparent)
     painter = QPainter(pixmap)
-    rim, picture = (load_icon(name, color).pixmap(QSize(side, side), 1.0) for color in ("#101216", "#ffffff"))
     for x, y in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-        painter.drawPixmap(x, y, rim)
-    painter.drawPixmap(0, 0, picture)
+        painter.drawPixmap(x, y, _draw_symbol(name, "#101216", side))
+    painter.drawPixmap(0, 0, _draw_symbol(name, "#ffffff", side))
     painter.end()
     return QCursor(pixmap)
 
 
-@cache
-def load_program_icon() -> QIcon:
-    """Return the icon of the program itself."""
-    renderer = QSvgRenderer(str(find_asset("icons/cpm.svg")))
-    made = QIcon()
-    for size in (*_ICON_SIZES, 32, 48, 64, 128, 256):
-        made.addPixmap(_render_svg(renderer, size))
-    return made
-
-
 def create_swatch(*colors: str) -> QIcon:
     """Create a legend icon: small discs side by side in the colors that the user has selected for these."""
-    return _draw_discs(*(get_canvas_style().resolve_color(color) for color in colors))
 
+    def draw(size: QSize, enabled: bool) -> QPixmap:
+        width = size.width() / len(colors)
+        side = min(width, size.height()) - _SWATCH_GAP
+        pixmap = QPixmap(size)
+        pixmap.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(pixmap)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QColor(SWATCH_RIM))
+        for index, color in enumerate(colors):
+            painter.setBrush(QColor(get_canvas_style().resolve_color(color)))
+            painter.drawEllipse(QRectF((index + 0.5) * width - side / 2, (size.height() - side) / 2, side, side))
+        painter.end()
+        return pixmap
 
-@cache
-def _draw_discs(*colors: str) -> QIcon:
-    side = 14
-    pixmap = QPixmap(QSize((side + 2) * len(colors), side))
-    pixmap.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(pixmap)
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.setPen(QColor(SWATCH_RIM))
-    for index, color in enumerate(colors):
-        painter.setBrush(QColor(color))
-        painter.drawEllipse(QRectF(index * (side + 2) + 1.5, 1.5, side - 3, side - 3))
-    painter.end()
-    return QIcon(pixmap)
-
-
-def _render_svg(renderer: QSvgRenderer, size: int) -> QPixmap:
-    pixmap = QPixmap(size, size)
-    pixmap.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(pixmap)
-    renderer.render(painter)
-    painter.end()
-    return (
-        pixmap.copy()
-    )  # a pixmap that was painted on keeps the memory of its painter, which exceeds that of its pixels
+    return QIcon(_IconEngine(draw))
 
 
 SWATCH_COLORS: tuple[tuple[str, str], ...] = (

@@ -5,20 +5,17 @@ Items of the canvas read the style when they paint, so that layers need not know
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import field
-from functools import partial
 from string import Template
 from typing import Literal
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication, QWidget
-from shiboken6 import isValid
 
 from cpm_app.model.preferences.table import INK_PREFERENCES
-from cpm_core.numerics.types import Callback, frozen
+from cpm_core.numerics.types import frozen
 
 LineKind = Literal["contours", "shapes", "fixed"]
 """Kind of a line; the width of fixed lines cannot be changed."""
@@ -155,27 +152,8 @@ DAMPING_COLOR = "#2bd4a4"
 """Damping force."""
 
 
-@frozen
-class Theme:
-    """Colors of the window."""
-
-    window: str
-    panel: str
-    base: str
-    button: str
-    text: str
-    dim: str
-    line: str
-    accent: str
-    accent_text: str
-    accent_hover: str
-    chosen: str
-    faded: str
-    error: str
-    error_text: str
-    message: str
-    message_text: str
-
+Theme = Mapping[str, str]
+"""Colors of the window by their roles."""
 
 _THEME_COLORS = {
     "window": ("#f3f4f6", "#1e2126"),
@@ -197,10 +175,10 @@ _THEME_COLORS = {
 }
 """Light and dark color of each role."""
 
-LIGHT_THEME = Theme(**{role: colors[0] for role, colors in _THEME_COLORS.items()})
+LIGHT_THEME: Theme = {role: light for role, (light, _) in _THEME_COLORS.items()}
 """The light theme."""
 
-DARK_THEME = Theme(**{role: colors[1] for role, colors in _THEME_COLORS.items()})
+DARK_THEME: Theme = {role: dark for role, (_, dark) in _THEME_COLORS.items()}
 """The dark theme."""
 
 
@@ -210,74 +188,38 @@ def system_theme() -> Theme:
     return DARK_THEME if dark else LIGHT_THEME
 
 
-_WIDGETS_PER_TURN = 150
-"""Number of hidden widgets that change their theme in one turn of the event loop."""
+_PALETTE_ROLES = {
+    "window": ("Window",),
+    "panel": ("AlternateBase",),
+    "base": ("Base", "ToolTipBase"),
+    "button": ("Button",),
+    "text": ("Text", "WindowText", "ButtonText", "ToolTipText"),
+    "dim": ("PlaceholderText",),
+    "line": ("Mid",),
+    "accent": ("Highlight",),
+    "accent_text": ("HighlightedText",),
+    "accent_hover": ("Link",),
+}
+"""Palette roles of Qt that have each color."""
+
+_DISABLED_PALETTE_ROLES = {"faded": ("WindowText", "Text", "ButtonText"), "window": ("Base", "Button")}
+"""The same for disabled widgets."""
 
 
-def apply_theme(theme: Theme, window: QWidget, later: Callable[[Callback], object]) -> None:
-    """Set the theme of the application; `later` schedules the work on hidden widgets.
+def apply_theme(theme: Theme, window: QWidget) -> None:
+    """Set the theme of the application.
 
     The style sheet belongs to the window and its dialogs: Qt would apply a style sheet of the application to each
-    widget once per ancestor. It refers to roles of the palette rather than to colors and thus never changes: a new one
-    would be applied to all widgets at once.
+    widget once per ancestor.
     """
-    palette = _build_palette(theme)
-    if not window.styleSheet():
-        QApplication.setPalette(palette)
-        names = {color: re.sub(r"\B([A-Z])", r"-\1", role.name).lower() for color, role in _PALETTE_ROLES.items()}
-        window.setStyleSheet(_STYLE_SHEET.substitute({color: f"palette({name})" for color, name in names.items()}))
-    elif QApplication.palette() != palette:
-        QApplication.setPalette(palette)
-        widgets = [window, *window.findChildren(QWidget)]
-        _repolish_widgets([widget for widget in widgets if widget.isVisible()])
-        hidden = [widget for widget in widgets if not widget.isVisible()]
-        for first in range(0, len(hidden), _WIDGETS_PER_TURN):
-            later(partial(_repolish_widgets, hidden[first : first + _WIDGETS_PER_TURN]))
-
-
-def _repolish_widgets(widgets: Iterable[QWidget]) -> None:
-    """Make the style sheet read the palette again for those widgets that still exist."""
-    for widget in filter(isValid, widgets):
-        style = widget.style()
-        style.unpolish(widget)
-        style.polish(widget)
-
-
-_PALETTE_ROLES = {
-    "window": QPalette.ColorRole.Window,
-    "panel": QPalette.ColorRole.AlternateBase,
-    "base": QPalette.ColorRole.Base,
-    "button": QPalette.ColorRole.Button,
-    "text": QPalette.ColorRole.Text,
-    "dim": QPalette.ColorRole.PlaceholderText,
-    "line": QPalette.ColorRole.Mid,
-    "accent": QPalette.ColorRole.Highlight,
-    "accent_text": QPalette.ColorRole.HighlightedText,
-    "accent_hover": QPalette.ColorRole.Link,
-    "chosen": QPalette.ColorRole.Light,
-    "faded": QPalette.ColorRole.Dark,
-    "error": QPalette.ColorRole.Midlight,
-    "error_text": QPalette.ColorRole.BrightText,
-    "message": QPalette.ColorRole.Shadow,
-    "message_text": QPalette.ColorRole.LinkVisited,
-}
-"""Palette role by which the style sheet refers to each color."""
-
-
-def _build_palette(theme: Theme) -> QPalette:
     palette = QPalette()
-    for name, key in _PALETTE_ROLES.items():
-        palette.setColor(key, QColor(getattr(theme, name)))
-    role = QPalette.ColorRole
-    for key in (role.WindowText, role.ButtonText, role.ToolTipText):
-        palette.setColor(key, QColor(theme.text))
-    palette.setColor(role.ToolTipBase, QColor(theme.base))
-    disabled = QPalette.ColorGroup.Disabled
-    for key in (role.WindowText, role.Text, role.ButtonText):
-        palette.setColor(disabled, key, QColor(theme.faded))
-    for key in (role.Base, role.Button):
-        palette.setColor(disabled, key, QColor(theme.window))
-    return palette
+    groups = (QPalette.ColorGroup.All, _PALETTE_ROLES), (QPalette.ColorGroup.Disabled, _DISABLED_PALETTE_ROLES)
+    for group, roles in groups:
+        for color, names in roles.items():
+            for name in names:
+                palette.setColor(group, QPalette.ColorRole[name], QColor(theme[color]))
+    QApplication.setPalette(palette)
+    window.setStyleSheet(_STYLE_SHEET.substitute(theme))
 
 
 _STYLE_SHEET = Template("""
@@ -372,13 +314,11 @@ QPushButton:hover, QPushButton:focus { border-color: $accent; }
 QPushButton:pressed, QPushButton:checked { background: $chosen; }
 QPushButton:default { border-color: $accent; }
 QPushButton:disabled { color: $faded; border-color: $line; }
-QDockWidget QToolButton#preset, QFrame#popup QToolButton { background: $button; color: $text;
-                            border: 1px solid $line; border-radius: 5px; padding: 4px 8px; }
-QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,
-QDockWidget QToolButton#preset:focus, QFrame#popup QToolButton:focus { border-color: $accent; }
+QFrame#popup QToolButton { background: $button; color: $text; border: 1px solid $line; border-radius: 5px;
+                            padding: 4px 8px; }
+QFrame#popup QToolButton:hover, QFrame#popup QToolButton:focus { border-color: $accent; }
 QFrame#popup QToolButton:disabled { color: $faded; }
-QPushButton:disabled, QDockWidget QToolButton#preset:disabled, QFrame#popup QToolButton:disabled {
-    background: $window; color: $faded; }
+QPushButton:disabled, QFrame#popup QToolButton:disabled { background: $window; color: $faded; }
 QDialogButtonBox, QMessageBox { dialogbuttonbox-buttons-have-icons: 0; }
 QMessageBox QLabel#qt_msgbox_label { font-weight: 600; }
 QMessageBox QLabel#qt_msgbox_informativelabel { min-width: 320px; }
@@ -395,4 +335,12 @@ QFrame#error QLabel, QFrame#error QToolButton { color: $error_text; }
 QFrame#message { background: $message; border: none; }
 QFrame#message QLabel, QFrame#message QToolButton { color: $message_text; }
 QFrame#offer { background: $panel; border: none; border-bottom: 1px solid $line; }
+
+/* The start screen in place of the image */
+QWidget#start { background: $window; }
+QWidget#start QListView { background: transparent; border: none; color: $text; }
+QWidget#start QListView::item { border: 2px solid transparent; border-radius: 6px; padding: 4px; }
+QWidget#start QListView::item:hover { background: $button; }
+QWidget#start QListView::item:selected { background: $button; color: $text; }
+QWidget#start QListView::item:selected:focus { background: $chosen; color: $text; border-color: $accent; }
 """)

@@ -10,9 +10,8 @@ import scipy
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE, default_brush_radius
-from cpm_app.session.undo_history import Erasure
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import SELECT_GROUP, STROKE_GROUP, ShapeTool
+from cpm_app.views.tools.tool import ShapeTool
 from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Points
 
@@ -39,8 +38,6 @@ class RingTool(ShapeTool):
         """Initialize the state kept between events."""
         super().set_up()
         self._own_radius: float | None = None
-        self._pointer: Place | None = None
-        self._last: Place | None = None
 
     @property
     def radius(self) -> float:
@@ -51,40 +48,29 @@ class RingTool(ShapeTool):
         """Apply the tool along a path of the ring; the path is a single place when the gesture begins."""
         raise NotImplementedError
 
-    def on_press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place) -> None:
         """Begin a gesture."""
         self._begin_gesture()
-        self._last, self.used = at, True
         self._session.select_shape(None)
-        self.on_hover(at)
         self.apply_along((at,))
 
     def on_drag(self, at: Place) -> None:
         """Continue along the path of the pointer."""
-        self.on_hover(at)
-        if self._last is not None and at != self._last:
-            path, self._last = (self._last, at), at
-            self.apply_along(path)
+        if self.has_new_place:
+            self.apply_along(tuple(self.stroke[-2:]))
 
-    def on_hover(self, at: Place) -> None:
-        """Move the ring to the pointer."""
-        self._pointer = at
-        self._drawing.show_ring(at, self.radius, self.color)
+    def draw_marks(self) -> None:
+        """Draw the ring around the pointer."""
+        self._drawing.show_ring(self.pointer, self.radius, self.color)
 
     def resize_by(self, by: float) -> None:
         """Make the ring larger or smaller."""
         self.set_radius(min(max(self.radius * _RING_GROWTH**by, BRUSH_RADIUS_RANGE[0]), BRUSH_RADIUS_RANGE[1]))
-        if self._pointer is not None:
-            self.on_hover(self._pointer)
+        self.update_marks()
 
     def set_radius(self, radius: float) -> None:
         """Set the radius of the ring [px of the image]."""
         self._own_radius = radius
-
-    def hide_marks(self) -> None:
-        """Hide the ring."""
-        self._pointer = None
-        self._drawing.show_ring()
 
 
 class SprayTool(RingTool):
@@ -93,7 +79,6 @@ class SprayTool(RingTool):
     name = "spray"
     menu_text = tr("Spra&y")
     shortcut = "Y"
-    group = STROKE_GROUP
     tip = tr("Drag to scatter points; [ and ] change the ring.")
     color = theme.DRAWING_COLOR
     guidance = tr("Drag to spray points; [ and ] make the ring smaller and larger.")
@@ -138,7 +123,6 @@ class EraserTool(RingTool):
     name = "eraser"
     menu_text = tr("&Eraser")
     shortcut = "E"
-    group = SELECT_GROUP
     tip = tr("Drag to erase points, shapes and particles; [ and ] change its ring.")
     color = theme.SELECTED_COLOR
     guidance = tr("Drag over points, shapes or particles to erase them; [ and ] make the ring smaller and larger.")
@@ -147,26 +131,20 @@ class EraserTool(RingTool):
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         super().set_up()
-        self._erasure: Erasure | None = None
         self._has_erased = False
 
     def apply_along(self, path: tuple[Place, ...]) -> None:
         """Erase along the path of the ring."""
-        if self._erasure is None:
-            self._erasure, self._has_erased = self._session.run_updater.begin_erasure(), False
-        before = self._session.document
-        left, run_changed = self._session.run_updater.erase_particles(path, self.radius, self._erasure)
-        self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
-        self._has_erased = self._has_erased or run_changed or self._session.document is not before
+        self._has_erased = self._session.erase(path, self.radius, self._gesture) or self._has_erased
 
     def on_release(self) -> None:
         """Keep the erased state."""
-        self._erasure = None
+        self._has_erased = False
         super().on_release()
 
     def cancel(self) -> None:
         """Restore what the gesture has erased."""
-        erased = self._erasure is not None and self._has_erased
-        self.on_release()
+        erased = self._has_erased
+        self.release()
         if erased:
             self._session.undo()

@@ -9,10 +9,9 @@ import numpy as np
 from PySide6.QtCore import Qt
 
 from cpm_app.model.document.document import ImageReference
-from cpm_app.model.text.language import tr, translate_core_text
+from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.session_messages import EDITING_CATEGORY
-from cpm_app.views.tools.tool import CHARGE_GROUP, CIRCLE_GROUP, STROKE_GROUP, ShapeTool
+from cpm_app.views.tools.tool import ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
 from cpm_core.shapes.solids import MIN_BOX_SIDE
@@ -35,39 +34,24 @@ def box_between(one: Position, other: Position, here: Slice, volume: ImageRefere
 class DraggedTool(ShapeTool):
     """Draws a shape between the place of the press and the pointer."""
 
-    slip_message: str
-    """Message when the pointer has not moved."""
-    slip_message_in_volume: str
-    """Message in a volume when the pointer has not moved."""
-
-    def set_up(self) -> None:
-        """Initialize the state kept between events."""
-        super().set_up()
-        self._start: Position = (0.0, 0.0)
-
     def build_shape(self, begin: Position, at: Position) -> Shape:
         """Build the shape between two places."""
         raise NotImplementedError
 
-    def on_press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position) -> None:
         """Begin a shape."""
-        self._start = at
         self._begin_gesture()
 
     def on_drag(self, at: Position) -> None:
         """Extend the shape to the pointer."""
-        if self._index is not None and (self._drawn_shape or math.dist(self._start, at) >= SMALLEST_RADIUS):
-            shape = self.build_shape(self._start, at)
-            self._put_shape(tr("draw {shape}", shape=translate_core_text(shape.title)), shape)
+        if self._drawn_shape or math.dist(self.stroke[0], at) >= SMALLEST_RADIUS:
+            self._put_shape(tr("draw {shape}"), self.build_shape(self.stroke[0], at))
             self._session.select_shape(self._index)
 
     def on_release(self) -> None:
         """Keep the shape."""
-        if self._index is not None and self._drawn_shape is None:
-            self._session.messages.show(
-                self.slip_message if self.volume is None else self.slip_message_in_volume, category=EDITING_CATEGORY
-            )
-        self.used = True
+        if self._drawn_shape is None:
+            self.show_message(tr("Keep the button down. {advice}", advice=self.usage))
         super().on_release()
 
 
@@ -77,10 +61,7 @@ class CircleTool(DraggedTool):
     name = "circle"
     menu_text = tr("&Circle")
     shortcut = "C"
-    group = CIRCLE_GROUP
     tip = tr("Drag from the center to draw a circle.")
-    slip_message = tr("Keep the button down and drag to draw a circle from its center.")
-    slip_message_in_volume = tr("Keep the button down and drag to draw a sphere from its center.")
     keyboard_tip = tr("Enter begins at the center, arrow keys move the rim, Enter ends.")
 
     def build_shape(self, begin: Position, at: Position) -> Circle | Sphere:
@@ -99,10 +80,7 @@ class EllipseTool(DraggedTool):
     name = "ellipse"
     menu_text = tr("E&llipse")
     shortcut = "L"
-    group = CIRCLE_GROUP
     tip = tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its center.")
-    slip_message = tr("Keep the button down and drag to draw an ellipse.")
-    slip_message_in_volume = tr("Keep the button down and drag from corner to corner to draw a box.")
     guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its center.")
     keyboard_tip = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")
 
@@ -132,12 +110,11 @@ class PointTool(ShapeTool):
     name = "points"
     menu_text = tr("&Points")
     shortcut = "P"
-    group = STROKE_GROUP
     tip = tr("Click to place a point.")
     works_by_clicks = True
     keyboard_tip = tr("Enter places a point.")
 
-    def on_press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position) -> None:
         """Place a point."""
         self._begin_gesture()
         self.on_drag(at)
@@ -155,10 +132,9 @@ class ChargeTool(ShapeTool):
     strength: float
     """Strength of new charges; positive ones attract."""
 
-    def on_press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place) -> None:
         """Grab the charge under the pointer, or place one."""
-        self.used = True
-        self._begin_gesture(self._find_charge(at, reach))
+        self._begin_gesture(self._find_charge(at))
         if self._before is None:
             self._put_charge(Charge(at, self.strength))
         self._session.select_shape(self._index)
@@ -170,15 +146,14 @@ class ChargeTool(ShapeTool):
             self._put_charge(Charge(at, charge.strength))
 
     def _put_charge(self, charge: Charge) -> None:
-        verb = tr("drop {charge}") if self._before is None else tr("move {charge}")
-        self._put_shape(verb.format(charge=translate_core_text(charge.title)), charge)
+        self._put_shape(tr("drop {shape}") if self._before is None else tr("move {shape}"), charge)
 
-    def _find_charge(self, at: Place, reach: float) -> int | None:
+    def _find_charge(self, at: Place) -> int | None:
         """Find the index of the charge nearest to the pointer, of equally near ones the topmost."""
         near = [
             (math.dist(shape.position, at), -index)
             for index, shape in enumerate(self._session.document.shapes)
-            if isinstance(shape, Charge) and math.dist(shape.position, at) <= reach
+            if isinstance(shape, Charge) and math.dist(shape.position, at) <= self.reach
         ]
         return -min(near)[1] if near else None
 
@@ -189,7 +164,6 @@ class AttractTool(ChargeTool):
     name = "attract"
     menu_text = tr("&Attract")
     shortcut = "A"
-    group = CHARGE_GROUP
     tip = tr("Place a charge that attracts particles, and drag it while they run; [ and ] change its strength.")
     guidance = tr("Click to place a charge that attracts particles; drag it while they run.")
     strength = 2.0
@@ -201,7 +175,6 @@ class RepelTool(ChargeTool):
     name = "repel"
     menu_text = tr("&Repel")
     shortcut = "D"
-    group = CHARGE_GROUP
     tip = tr("Place a charge that repels particles, and drag it while they run; [ and ] change its strength.")
     guidance = tr("Click to place a charge that repels particles; drag it while they run.")
     strength = -2.0

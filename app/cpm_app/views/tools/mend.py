@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,14 +13,11 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.outline_editing import HeldCurve
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.brush_tools import RingTool
-from cpm_app.views.tools.tool import MEND_GROUP, REMOVE_MODIFIER, Cursor
+from cpm_app.views.tools.tool import REMOVE_MODIFIER, Cursor
 from cpm_core.numerics import Place, Position
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.reconstruction import RedrawnCurve, pull_curve
-
-_CLICK_TOLERANCE = 0.5
-"""Largest move of the pointer during a click; beyond it, a press is a drag [hit tolerances]."""
 
 _REDRAW_ADVICE = tr("Release to redraw the line along the edge; Shift only bends it. {key:escape} cancels.")
 """Advice while an outline is dragged."""
@@ -54,10 +50,10 @@ class MendTool(RingTool):
     name = "mend"
     menu_text = tr("&Mend")
     shortcut = "J"
-    group = MEND_GROUP
     panel = "objects"
     tip = tr("Drag an outline to pull it, elsewhere to paint; Shift bends it or erases.")
     keyboard_tip = tr("Enter picks up or paints, with Shift erases; arrow keys move, Enter ends.")
+    drag_distance = 0.5
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
@@ -72,10 +68,7 @@ class MendTool(RingTool):
         """The object that the brush would paint; None for a new one."""
         self._obstacle = ""
         """Why the brush would do nothing here, as a sentence."""
-        self._pressed: Position | None = None
-        self._dragged = False
-        self._reach = 1.0
-        self._brush.changed.connect(self._show_preview)
+        self._brush.changed.connect(self.update_marks)
 
     @property
     def radius(self) -> float:
@@ -90,7 +83,7 @@ class MendTool(RingTool):
     def advice(self) -> str:
         """Sentence on what a press or a release does here."""
         held, away = self._held, self._is_removing
-        if held is not None and self._dragged:
+        if held is not None and self.is_dragged:
             return insert_keys(_REDRAW_ADVICE)
         item = self._painted if held is None else held.item
         name = "" if item is None else self._list.title_of(item)
@@ -98,8 +91,8 @@ class MendTool(RingTool):
             words = tr("Drag to bend the boundary of {name}.") if away else tr("Drag to pull the boundary of {name}.")
         elif held is not None:
             words = _CONTOUR_ADVICE
-        elif self._pointer is None:
-            words = self.tip
+        elif self.pointer is None:
+            words = self.usage
         elif self._obstacle:
             return self._obstacle
         elif away:
@@ -108,26 +101,21 @@ class MendTool(RingTool):
             words = _ADD_ADVICE if item is not None else _PAINT_ADVICE
         return insert_keys(words, name=name)
 
-    def on_press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position) -> None:
         """Grab the outline under the pointer, or begin to paint."""
-        self._find_target(at, reach)
-        self.used, self._pressed, self._dragged = True, at, False
+        self._find_target(at)
         if self._held is None:
-            super().on_press(at, reach)
+            super().on_press(at)
 
     def on_drag(self, at: Position) -> None:
-        """Preview a release here, or continue to paint."""
+        """Continue to paint, unless an outline is pulled."""
         if self._held is None:
             super().on_drag(at)
-        elif self._pressed is not None:
-            self._pointer = at
-            self._dragged = self._dragged or math.dist(self._pressed, at) > _CLICK_TOLERANCE * self._reach
-            self._show_preview()
 
     def on_release(self) -> None:
         """Carry out what the preview shows, select what was clicked, or end the stroke."""
         held = self._held
-        if held is not None and self._dragged:
+        if held is not None and self.is_dragged:
             self._editing.redraw_curve(held, self._pull_curve(held), not self._is_removing)
         elif held is not None:
             self._list.select_items((("contour", held.index) if held.item is None else ("object", held.item.number),))
@@ -135,10 +123,7 @@ class MendTool(RingTool):
 
     def on_hover(self, at: Position) -> None:
         """Preview what a press here would grab or paint."""
-        self._pointer = at
-        if self._pressed is None:
-            self._find_target(at, self._reach)
-        self._show_preview()
+        self._find_target(at)
 
     def apply_along(self, path: Line) -> None:
         """Begin a stroke, or continue it."""
@@ -155,21 +140,17 @@ class MendTool(RingTool):
         if self._brush.painting:
             self._session.edit("", lambda document: replace(document, objects=before), self._gesture)
         self._finish_gesture()
+        super().cancel()
 
     def hide_marks(self) -> None:
         """Hide the preview and the ring."""
-        self._pointer = self._held = None
-        self._contours.set_hovered(None)
-        self._drawing.show_draft()
-        self._drawing.show_ring()
+        self._held = None
+        super().hide_marks()
 
-    def cursor_at(self, at: Position, reach: float) -> Cursor | QCursor:
+    def cursor_at(self, at: Position) -> Cursor | QCursor:
         """Return a hand over an outline, elsewhere a cross, or a bar where the brush would do nothing."""
         if self.volume is None:
             self._editing.request_edges()
-        if self._reach != max(reach, 1.0) and self._pointer is not None:
-            self._find_target(at, reach)
-            self._show_preview()
         if self._held is not None:
             return Cursor.OpenHandCursor
         return Cursor.ForbiddenCursor if self._obstacle else Cursor.CrossCursor
@@ -183,10 +164,9 @@ class MendTool(RingTool):
         """Whether a new object is painted."""
         return bool(self.modifiers & Qt.KeyboardModifier.ControlModifier) and not self._is_removing
 
-    def _find_target(self, at: Place, reach: float) -> None:
+    def _find_target(self, at: Place) -> None:
         """Find the outline or object that a press at a place would act on."""
-        self._reach = max(reach, 1.0)
-        self._held = None if self.volume is not None else self._editing.find_curve(at, self._reach)
+        self._held = None if self.volume is not None else self._editing.find_curve(at, self.reach)
         self._painted, self._obstacle = None, ""
         if self._held is None:
             adds, makes_new = not self._is_removing, self._paints_new_object
@@ -195,30 +175,27 @@ class MendTool(RingTool):
 
     def _pull_curve(self, held: HeldCurve) -> RedrawnCurve:
         """Return the curve that a release at the pointer makes of the held one."""
-        assert self._pointer is not None
-        return pull_curve(held.place, self._pointer, None if self._is_removing else self._editing.edges)
+        assert self.pointer is not None
+        return pull_curve(held.place, self.pointer, None if self._is_removing else self._editing.edges)
 
-    def _show_preview(self) -> None:
+    def draw_marks(self) -> None:
         """Draw the preview, or the place under the pointer and the ring."""
         held, path = self._held, np.empty((0, 2))
-        if held is not None and self._dragged and self._pointer is not None:
+        if held is not None and self.is_dragged and self.pointer is not None:
             path = self._pull_curve(held).drawn
         self._contours.set_hovered(held.index if held is not None and held.item is None else None)
         adds = self._brush.adds if self._brush.painting else not self._is_removing
         self._drawing.show_draft([] if held is None else [held.place.place], path, theme.BY_HAND_COLOR)
         self._drawing.show_ring(
-            self._pointer if held is None else None,
+            self.pointer if held is None else None,
             self.radius,
             theme.RESTING_COLOR if adds else theme.BARRIER_COLOR,
             None if self.current_slice is None or self._brush.paints_in_space else self.current_slice.axis,
         )
-        self._on_advice_changed()
 
     def _finish_gesture(self) -> None:
         self._brush.end_stroke()
-        self._held = self._pressed = None
-        self._dragged = False
-        super().on_release()
-        if self._pointer is not None:
-            self._find_target(self._pointer, self._reach)
-        self._show_preview()
+        self._held = None
+        self._end_gesture()
+        if self.pointer is not None:
+            self._find_target(self.pointer)

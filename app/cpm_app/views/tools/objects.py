@@ -10,12 +10,9 @@ from PySide6.QtCore import Qt
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import OBJECT_GROUP, REMOVE_MODIFIER, Cursor, Tool
+from cpm_app.views.tools.tool import REMOVE_MODIFIER, Cursor, Tool
 from cpm_core.numerics import Place
 from cpm_core.objects.segmented import Click
-
-_STROKE_SPACING = 3.0
-"""Minimum distance between two places of a stroke [px]."""
 
 _MAX_STROKE_PLACES = 200
 """Largest number of places of a stroke; a longer one is thinned out."""
@@ -31,17 +28,16 @@ class ObjectTool(Tool):
     name = "objects"
     menu_text = tr("Ob&jects")
     shortcut = "W"
-    group = OBJECT_GROUP
     panel = "objects"
     tip = tr("Click in an object to select it, Shift-click to remove what does not belong to it; Enter accepts it.")
     keyboard_tip = tr("Enter clicks, Shift+Enter removes what does not belong to the object; Ctrl+Enter accepts it.")
     works_by_clicks = True
+    stroke_spacing = 3.0
     keeps_draft = True
 
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         self._selection, self._list = self._workspace.object_selection, self._workspace.object_list
-        self._path: list[Place] = []
         self._adds, self._wants_another = True, False
 
     @property
@@ -80,26 +76,21 @@ class ObjectTool(Tool):
         self._drawing.hide_computed(in_use)
         self._selection.set_in_use(in_use)
 
-    def on_press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place) -> None:
         """Begin a click or a stroke."""
-        self.used, self._path = True, [at]
         self._adds, self._wants_another = self._is_positive, self._is_for_another
 
-    def on_drag(self, at: Place) -> None:
-        """Continue a stroke."""
-        if self._path and math.dist(self._path[-1], at) >= _STROKE_SPACING:
-            self._path.append(at)
-            color = theme.RESTING_COLOR if self._adds else theme.BARRIER_COLOR
-            self._drawing.show_draft((), self._path, color)
+    def draw_marks(self) -> None:
+        """Draw the stroke."""
+        self._drawing.show_draft((), self.stroke, theme.RESTING_COLOR if self._adds else theme.BARRIER_COLOR)
 
     def on_release(self) -> None:
         """Do what the click or stroke means, after all that was done before."""
-        path, another = tuple(self._path), self._wants_another
-        self._end_stroke()
-        if path:
-            click = Click(path[:: math.ceil(len(path) / _MAX_STROKE_PLACES)], self._adds)
-            needs_answer = not self._selection.selecting
-            self._selection.do_in_order(partial(self._do_click, click, another), click, needs_answer=needs_answer)
+        click = Click(tuple(self.stroke[:: math.ceil(len(self.stroke) / _MAX_STROKE_PLACES)]), self._adds)
+        needs_answer = not self._selection.selecting
+        self._selection.do_in_order(
+            partial(self._do_click, click, self._wants_another), click, needs_answer=needs_answer
+        )
 
     def _do_click(self, click: Click, another: bool) -> None:
         """Select the object under a click, correct it if it is selected, or add the click to the object in progress."""
@@ -134,17 +125,18 @@ class ObjectTool(Tool):
 
     def cancel(self) -> None:
         """Drop the stroke, or the selection in progress."""
-        if self._path:
-            self._end_stroke()
+        if self.stroke:
+            super().cancel()
         else:
             self._selection.do_in_order(self._selection.discard_clicks, needs_answer=False)
 
     def hide_marks(self) -> None:
         """Hide the preview of a click."""
+        super().hide_marks()
         self._list.set_hovered_item(None)
         self._selection.preview_click(None)
 
-    def cursor_at(self, at: Place, reach: float) -> Cursor:
+    def cursor_at(self, at: Place) -> Cursor:
         """Return a hand over an object that a click would select, a cross elsewhere."""
         return Cursor.PointingHandCursor if self._find_selectable(at) else Cursor.CrossCursor
 
@@ -165,7 +157,3 @@ class ObjectTool(Tool):
     def _find_existing(self, at: Place) -> int:
         """Find the number of the object, or key of the proposal, at a place; 0 while an object is being selected."""
         return 0 if self._selection.selecting else self._selection.object_number_at(at)
-
-    def _end_stroke(self) -> None:
-        self._path = []
-        self._drawing.show_draft()

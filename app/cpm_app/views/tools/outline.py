@@ -10,9 +10,8 @@ from PySide6.QtCore import Qt
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.outline_editing import HeldCurve, PathFinder
-from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import FREEHAND_SPACING, MIN_DRAWN_AREA, OBJECT_GROUP, Cursor, Tool
+from cpm_app.views.tools.tool import MIN_DRAWN_AREA, Cursor, Tool
 from cpm_core.numerics import Array, Position, polyline
 from cpm_core.reconstruction import replace_stretch, snap_path_to_ridge
 
@@ -39,7 +38,6 @@ class OutlineTool(Tool):
     name = "outline"
     menu_text = tr("O&utline")
     shortcut = "U"
-    group = OBJECT_GROUP
     panel = "objects"
     tip = tr(
         "Click along the boundary of an object: the line follows the edges, and becomes an object, open or closed."
@@ -53,12 +51,8 @@ class OutlineTool(Tool):
         """Initialize the state kept between events."""
         self._editing = self._workspace.outline_editing
         self._anchors: list[_Anchor] = []
-        self._freehand: list[Position] = []
         self._begin: HeldCurve | None = None
         self._trace: PathFinder | None = None
-        self._pointer: Position | None = None
-        self._pressed: Position | None = None
-        self._reach = 1.0
 
     @property
     def has_draft(self) -> bool:
@@ -69,60 +63,38 @@ class OutlineTool(Tool):
     def advice(self) -> str:
         """Sentence on what to do next."""
         if not self._anchors:
-            return "" if self.used else self.tip
+            return "" if self.used else self.usage
         return tr(
             "Click the first anchor to close the line, Enter or a double click ends it; Shift draws a "
             "straight line, dragging draws freehand; Backspace removes the last anchor."
         )
 
-    def on_press(self, at: Position, reach: float) -> None:
+    def on_press(self, at: Position) -> None:
         """Set an anchor; on the first one close the line, on the last one end it."""
-        self._reach = max(reach, 1.0)
-        if len(self._anchors) > 1 and self._anchors[0].is_near(at, self._reach):
+        if len(self._anchors) > 1 and self._anchors[0].is_near(at, self.reach):
             place = self._anchors[0].place
             self._add_anchor(place, at, self._trace_piece(place))
             self.finish(closed=True)
-        elif self._anchors and self._anchors[-1].is_near(at, self._reach):
+        elif self._anchors and self._anchors[-1].is_near(at, self.reach):
             self.finish()
         else:
             place = self._snap_anchor(at)
             if not self._anchors:
                 self._begin = self._find_curve(at)
             self._add_anchor(place, at, self._trace_piece(place))
-            self._pressed, self._freehand = place, []
-            self._show_draft()
-
-    def on_drag(self, at: Position) -> None:
-        """Draw freehand after the pointer has left the place of the press."""
-        if self._pressed is None:
-            return
-        if not self._freehand and math.dist(self._pressed, at) > self._reach:
-            self._freehand = [self._pressed]
-        if self._freehand and math.dist(self._freehand[-1], at) >= FREEHAND_SPACING:
-            self._freehand.append(at)
-            self._show_draft()
 
     def on_release(self) -> None:
         """Keep the freehand line, and close it if it has returned to its beginning."""
-        drawn, self._freehand, self._pressed = self._freehand, [], None
-        if len(drawn) < 2:
+        if not self.is_dragged or len(self.stroke) < 2:
             return
-        at, first = drawn[-1], self._anchors[0]
-        closes = first.is_near(at, self._reach)
-        drawn[-1] = first.place if closes else self._snap_anchor(at)
-        path = np.array(drawn)
+        at, first = self.stroke[-1], self._anchors[0]
+        closes = first.is_near(at, self.reach)
+        end = first.place if closes else self._snap_anchor(at)
+        path = np.array([self._anchors[-1].place, *self.stroke[1:-1], end])
         edges = None if self._is_straight else self._editing.edges
-        self._add_anchor(drawn[-1], at, path if edges is None else snap_path_to_ridge(path, edges))
+        self._add_anchor(end, at, path if edges is None else snap_path_to_ridge(path, edges))
         if closes:
             self.finish(closed=True)
-        else:
-            self._show_draft()
-
-    def on_hover(self, at: Position) -> None:
-        """Extend the line to the pointer."""
-        self._pointer = at
-        if self._anchors:
-            self._show_draft()
 
     def finish(self, closed: bool = False) -> None:
         """Turn the line into an object, or into a stretch of the outline on which it begins and ends."""
@@ -133,9 +105,7 @@ class OutlineTool(Tool):
             return
         path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
         if closed and polyline.enclosed_area(path) < MIN_DRAWN_AREA:
-            self._session.messages.show(
-                tr("That is too small for an outline. {advice}", advice=self.tip), category=EDITING_CATEGORY
-            )
+            self.show_message(tr("That is too small for an outline. {advice}", advice=self.usage))
         elif not closed and begin is not None and end is not None and begin.is_on_same_curve(end):
             self._editing.redraw_curve(begin, replace_stretch(begin.place, end.place, path))
         else:
@@ -147,16 +117,15 @@ class OutlineTool(Tool):
         if self._anchors:
             self._anchors.pop()
             self._trace = None
-            self._show_draft()
+            self.update_marks()
 
     def cancel(self) -> None:
         """Discard the line."""
-        self.used = self.used or bool(self._anchors)
-        self._anchors, self._freehand = [], []
-        self._begin = self._trace = self._pressed = None
-        self._show_draft()
+        self._anchors = []
+        self._begin = self._trace = None
+        super().cancel()
 
-    def cursor_at(self, at: Position, reach: float) -> Cursor:
+    def cursor_at(self, at: Position) -> Cursor:
         """Return a cross, and prepare the edges."""
         self._editing.request_edges()
         return Cursor.CrossCursor
@@ -172,7 +141,7 @@ class OutlineTool(Tool):
 
     def _find_curve(self, at: Position) -> HeldCurve | None:
         """Find the outline that a line touches where it begins or ends."""
-        return None if self._is_straight else self._editing.find_curve(at, 0.5 * self._reach)
+        return None if self._is_straight else self._editing.find_curve(at, 0.5 * self.reach)
 
     def _snap_anchor(self, at: Position) -> Position:
         """Snap a place to the outline or edge under the pointer; with Shift, keep it."""
@@ -193,12 +162,12 @@ class OutlineTool(Tool):
         self._anchors.append(_Anchor(place, click, piece))
         self._trace = None
 
-    def _show_draft(self) -> None:
+    def draw_marks(self) -> None:
+        """Draw the line as far as the pointer."""
         parts = self._pieces
-        if self._freehand:
-            parts.append(np.array(self._freehand))
-        elif self._anchors and self._pointer is not None and self._pressed is None:
-            parts.append(self._trace_piece(self._snap_anchor(self._pointer)))
+        if self.is_dragged:
+            parts.append(np.array([self._anchors[-1].place, *self.stroke[1:]]))
+        elif self._anchors and self.pointer is not None and not self.stroke:
+            parts.append(self._trace_piece(self._snap_anchor(self.pointer)))
         path = np.concatenate(parts) if parts else ()
         self._drawing.show_draft([anchor.place for anchor in self._anchors], path, theme.BY_HAND_COLOR)
-        self._on_advice_changed()

@@ -6,22 +6,16 @@ import math
 
 from PySide6.QtCore import Qt
 
-from cpm_app.model.document import edits
 from cpm_app.model.document.document import ImageReference
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.slices import Slice
-from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.gesture_tools import box_between
 from cpm_app.views.tools.tool import (
-    AREA_GROUP,
-    CIRCLE_GROUP,
-    FREEHAND_SPACING,
-    LIMIT_GROUP,
     MIN_DRAWN_AREA,
-    STROKE_GROUP,
     Tool,
+    draw_shape,
 )
 from cpm_core.numerics import Place, polyline
 from cpm_core.numerics.types import Line
@@ -66,11 +60,8 @@ class PathTool(Tool):
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         self._corners: list[Place] = []
-        self._pointer: Place | None = None
-        self._pressed: Place | None = None
-        self._first = self._freehand = self._boxed = False
+        self._is_first = self._boxed = False
         self._begun: Slice | None = None
-        self._reach = 0.0
 
     def build_solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """Build the shape in a volume from a path in a slice."""
@@ -85,8 +76,8 @@ class PathTool(Tool):
     def advice(self) -> str:
         """Sentence on what to do next."""
         if not self._corners:
-            return "" if self.used else self.tip
-        if self._freehand and self._first:
+            return "" if self.used else self.usage
+        if self.is_dragged and self._is_first:
             return insert_keys(tr("Release to finish; {key:escape} cancels."))
         ends = tr("Enter or a double click ends it;")
         if self.closed:
@@ -94,49 +85,31 @@ class PathTool(Tool):
         rest = tr("Shift snaps to eight directions; Backspace removes the last corner; {key:escape} cancels.")
         return f"{ends} {insert_keys(rest)}"
 
-    def on_press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place) -> None:
         """Place a corner; a press on the last corner, or on the first one of a closed path, finishes it."""
         ends = [*self._corners[-1:], *(self._corners[:1] if self.closed else [])]
-        if any(math.dist(at, end) <= reach for end in ends):
+        if any(math.dist(at, end) <= self.reach for end in ends):
+            self.stroke = []
             if len(self._corners) >= 2 + self.closed:
                 self.finish()
             return
-        at = self._snap_direction(at)
-        self._first = not self._corners
-        self._begun = self.current_slice if self._first else self._begun
-        self._pressed, self._reach, self._freehand = at, reach, False
-        self._pointer = None
-        self._corners.append(at)
-        self._show_draft()
+        self._is_first = not self._corners
+        self._begun = self.current_slice if self._is_first else self._begun
+        self._corners.append(self._snap_direction(at))
 
     def on_drag(self, at: Place) -> None:
         """Draw freehand, or a rectangle around an area, after the pointer has left the place of the press."""
-        if self._pressed is None:
-            return
-        self._freehand = self._freehand or math.dist(self._pressed, at) > self._reach
-        if not self._freehand:
-            return
-        if self._first and self.is_area:
-            (top, left), (bottom, right) = self.position_in_slice(self._pressed), self.position_in_slice(at)
+        if self.is_dragged and self._is_first and self.is_area:
+            (top, left), (bottom, right) = self.position_in_slice(self.stroke[0]), self.position_in_slice(at)
             corners = ((top, left), (top, right), (bottom, right), (bottom, left))
             self._corners, self._boxed = list(map(self.place_in_image, corners)), True
-            self._show_draft()
-        elif math.dist(self._corners[-1], at) >= max(FREEHAND_SPACING, 0.25 * self._reach):
+        elif self.is_dragged and self.has_new_place:
             self._corners.append(at)
-            self._show_draft()
 
     def on_release(self) -> None:
         """Finish a path that was drawn with one drag; any other waits for further corners."""
-        whole = self._freehand and self._first
-        self._pressed, self._freehand = None, False
-        if whole:
+        if self.is_dragged and self._is_first:
             self.finish()
-
-    def on_hover(self, at: Place) -> None:
-        """Extend the path to the pointer."""
-        if self._corners:
-            self._pointer = self._snap_direction(at)
-            self._show_draft()
 
     def finish(self) -> None:
         """Turn the path into a shape."""
@@ -157,33 +130,21 @@ class PathTool(Tool):
                 shape = self.build_solid(flat, begun, volume)
         self.cancel()
         if shape is None:
-            advice = tr(
-                "That is too small for a {shape}. {advice}",
-                shape=translate_core_text(self.shape_class.title),
-                advice=self.tip,
-            )
-            self._session.messages.show(advice, category=EDITING_CATEGORY)
+            title = translate_core_text(self.shape_class.title)
+            self.show_message(tr("That is too small for a {shape}. {advice}", shape=title, advice=self.usage))
             return
-        self._session.edit(
-            tr("draw {shape}", shape=translate_core_text(shape.title)),
-            lambda document: edits.add_shape(document, shape),
-        )
-        self._session.select_shape(len(self._session.document.shapes) - 1)
+        draw_shape(self._session, shape)
 
     def remove_last_part(self) -> None:
         """Remove the last corner."""
         if self._corners:
             self._corners.pop()
-            self._pressed = None
-            self._show_draft()
+            self._end_stroke()
 
     def cancel(self) -> None:
         """Discard the path."""
-        self.used = self.used or bool(self._corners)
-        self._corners = []
-        self._pointer = self._pressed = None
-        self._freehand = self._boxed = False
-        self._show_draft()
+        self._corners, self._boxed = [], False
+        super().cancel()
 
     def _snap_direction(self, at: Place) -> Place:
         """Snap a place, with Shift, to the nearest of eight directions from the last corner."""
@@ -196,10 +157,11 @@ class PathTool(Tool):
         far = down * math.sin(angle) + right * math.cos(angle)
         return self.place_in_image((row + far * math.sin(angle) / high, col + far * math.cos(angle) / wide))
 
-    def _show_draft(self) -> None:
-        ahead = [self._pointer] if self._corners and self._pointer else []
+    def draw_marks(self) -> None:
+        """Draw the path as far as the pointer."""
+        rests = self._corners and self.pointer and not self.stroke
+        ahead = [self._snap_direction(self.pointer)] if rests and self.pointer else []
         self._drawing.show_draft(self._corners, [*self._corners, *ahead], self.color, self.closed)
-        self._on_advice_changed()
 
 
 class StrokeTool(PathTool):
@@ -208,7 +170,6 @@ class StrokeTool(PathTool):
     name = "stroke"
     menu_text = tr("S&troke")
     shortcut = "T"
-    group = STROKE_GROUP
     tip = tr("Drag, or click corner by corner, where particles start.")
     shape_class = Stroke
     closed = False
@@ -221,7 +182,6 @@ class PolygonTool(PathTool):
     name = "polygon"
     menu_text = tr("P&olygon")
     shortcut = "O"
-    group = CIRCLE_GROUP
     tip = tr("Click corner by corner, or drag, along a closed line to start from.")
     shape_class = Polygon
     is_spatial = True
@@ -233,7 +193,6 @@ class GridTool(PathTool):
     name = "grid_area"
     menu_text = tr("&Grid")
     shortcut = "G"
-    group = AREA_GROUP
     tip = tr(
         "Drag a rectangle, or click corner by corner, to cover an area with an even grid; [ and ] change its spacing."
     )
@@ -251,7 +210,6 @@ class ThresholdTool(PathTool):
     name = "threshold"
     menu_text = tr("T&hreshold")
     shortcut = "H"
-    group = AREA_GROUP
     tip = tr(
         "Drag a rectangle, or click corner by corner, to start on the strong edges in it; [ and ] change how strong."
     )
@@ -269,7 +227,6 @@ class RegionTool(PathTool):
     name = "region"
     menu_text = tr("Region of &interest")
     shortcut = "I"
-    group = LIMIT_GROUP
     tip = tr("Drag a rectangle, or click corner by corner, around the region that particles must stay in.")
     shape_class = Region
     is_area = True
@@ -288,7 +245,6 @@ class BarrierTool(PathTool):
     name = "barrier"
     menu_text = tr("&Barrier")
     shortcut = "B"
-    group = LIMIT_GROUP
     tip = tr("Drag, or click corner by corner, to draw a line that no particle crosses.")
     shape_class = Barrier
     color = theme.BARRIER_COLOR

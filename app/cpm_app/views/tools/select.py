@@ -9,11 +9,11 @@ from PySide6.QtCore import Qt
 from cpm_app.model.display.lengths import format_measured_length
 from cpm_app.model.document.edits import ShapeHit
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import tr, translate_core_text
+from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_rows import ItemKey
 from cpm_app.session.features.slices import hit_shape
 from cpm_app.views.theme import theme
-from cpm_app.views.tools.tool import SELECT_GROUP, Cursor, ShapeTool
+from cpm_app.views.tools.tool import Cursor, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Circle
 
@@ -35,7 +35,6 @@ class SelectTool(ShapeTool):
     menu_text = tr("&Select tool")
     word = tr("Select")
     shortcut = "S"
-    group = SELECT_GROUP
     panel = "objects"
     tip = tr(
         "Click objects, contours or shapes to select them, or drag a frame around them; drag a shape to move it. "
@@ -50,7 +49,6 @@ class SelectTool(ShapeTool):
         self._part = ""
         self._anchor: Place = (0.0, 0.0)
         self._crossing = False
-        self._reach = 0.0
         self._corner: Position | None = None
         """Corner where the frame begins."""
         self._selected_before: frozenset[ItemKey] = frozenset()
@@ -80,10 +78,10 @@ class SelectTool(ShapeTool):
         listed = self._list.rows or self._session.scene.contours
         return tr("Click to select, or drag a frame around several.") if listed else ""
 
-    def on_press(self, at: Place, reach: float) -> None:
+    def on_press(self, at: Place) -> None:
         """Select the shape, object or contour under the pointer, or begin a frame."""
-        self._reach, self._selected_before = reach, self._list.selected_keys
-        found, key = self._find_item(at, reach)
+        self._selected_before = self._list.selected_keys
+        found, key = self._find_item(at)
         self._session.select_shape(found.index if found is not None else None)
         if found is not None:
             self._begin_gesture(found.index)
@@ -107,17 +105,16 @@ class SelectTool(ShapeTool):
         shape = self._before
         if self._crossing:
             self._workspace.slices.go_through(at)
-        if self._corner is not None:
-            self._draw_frame(self._corner, self.position_in_slice(at))
+        if self._frame:
+            self._removes = bool(self.modifiers & _DESELECT_MODIFIER)
+            self._met_keys = self._list.items_inside(self._frame)
+            self._update_selection()
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
-            self._put_shape(
-                tr("reshape {shape}", shape=translate_core_text(shape.title)), shape.with_handle_at(self._anchor, at)
-            )
+            self._put_shape(tr("reshape {shape}"), shape.with_handle_at(self._anchor, at))
         else:
-            by = tuple(map(operator.sub, at, self._anchor))
-            self._put_shape(tr("move {shape}", shape=translate_core_text(shape.title)), shape.translated(by))
+            self._put_shape(tr("move {shape}"), shape.translated(tuple(map(operator.sub, at, self._anchor))))
 
     def on_release(self) -> None:
         """Keep the selection; a click outside all items clears it."""
@@ -137,11 +134,12 @@ class SelectTool(ShapeTool):
 
     def hide_marks(self) -> None:
         """Highlight nothing."""
+        super().hide_marks()
         self._list.set_hovered_item(None)
 
-    def cursor_at(self, at: Place, reach: float) -> Cursor:
+    def cursor_at(self, at: Place) -> Cursor:
         """Highlight the item under the pointer, and return arrows over a shape, a hand over another item."""
-        found, key = self._find_item(at, reach)
+        found, key = self._find_item(at)
         self._list.set_hovered_item(key)
         if found is None:
             if key is not None:
@@ -153,34 +151,46 @@ class SelectTool(ShapeTool):
         upright = abs(at[0] - shape.center[0]) > abs(at[1] - shape.center[1])
         return Cursor.SizeVerCursor if upright else Cursor.SizeHorCursor
 
-    def has_handle_at(self, at: Place, reach: float) -> bool:
+    def select_item_at(self, at: Place) -> bool:
+        """Select the item at a place, unless it is selected already; return whether there is one."""
+        found, key = self._find_item(at)
+        self._session.select_shape(None if found is None else found.index)
+        if key is not None and key not in self._list.selected_keys:
+            self._list.select_items((key,))
+        return found is not None or key is not None
+
+    def has_handle_at(self, at: Place) -> bool:
         """Tell whether a handle of the selected shape lies under the pointer."""
-        found = self._find_shape(at, reach)
+        found = self._find_shape(at)
         return found is not None and found.part == "handle"
 
-    def _find_item(self, at: Place, reach: float) -> tuple[ShapeHit | None, ItemKey | None]:
+    def _find_item(self, at: Place) -> tuple[ShapeHit | None, ItemKey | None]:
         """Find the shape at a place, or else the row: lines before areas, the selected shape first."""
-        found = self._find_shape(at, reach)
+        found = self._find_shape(at)
         if found is not None:
             shape = self._session.document.shapes[found.index]
             selected = found.index == self._session.selected_shape
-            if found.part == "handle" or selected or shape.distance_to(at) <= reach:
+            if found.part == "handle" or selected or shape.distance_to(at) <= self.reach:
                 return found, None
-        key = self._list.item_at(at, reach)
+        key = self._list.item_at(at, self.reach)
         return (None, key) if key is not None else (found, None)
 
-    def _find_shape(self, at: Place, reach: float) -> ShapeHit | None:
-        return hit_shape(self._session.scene, at, reach, self.current_slice)
+    def _find_shape(self, at: Place) -> ShapeHit | None:
+        return hit_shape(self._session.scene, at, self.reach, self.current_slice)
 
-    def _draw_frame(self, corner: Position, at: Position) -> None:
-        """Select the items in the frame, once it is larger than a click."""
-        if max(abs(at[0] - corner[0]), abs(at[1] - corner[1])) <= self._reach:
-            return
-        frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
-        self._removes = bool(self.modifiers & _DESELECT_MODIFIER)
-        self._met_keys = self._list.items_inside(frame)
-        self._drawing.show_draft((), (*frame, corner), theme.SELECTED_COLOR)
-        self._update_selection()
+    @property
+    def _frame(self) -> tuple[Position, ...]:
+        """Corners of the frame, once it is larger than a click."""
+        if self._corner is None or self.pointer is None:
+            return ()
+        corner, at = self._corner, self.position_in_slice(self.pointer)
+        if max(abs(at[0] - corner[0]), abs(at[1] - corner[1])) <= self.reach:
+            return ()
+        return corner, (corner[0], at[1]), at, (at[0], corner[1])
+
+    def draw_marks(self) -> None:
+        """Draw the frame."""
+        self._drawing.show_draft((), (*self._frame, *self._frame[:1]), theme.SELECTED_COLOR)
 
     def _update_selection(self) -> None:
         """Combine the found items with the selection according to the modifier keys."""
@@ -190,10 +200,7 @@ class SelectTool(ShapeTool):
             self._list.select_items(
                 self._met_keys | self._selected_before if self.modifiers & _SELECTION_MODIFIERS else self._met_keys
             )
-        self._on_advice_changed()
 
     def _end_frame(self) -> None:
         self._corner = None
         self._met_keys, self._crossing = frozenset(), False
-        self._drawing.show_draft()
-        self._on_advice_changed()

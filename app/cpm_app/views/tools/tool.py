@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import Literal
 
 from PySide6.QtCore import Qt
@@ -10,9 +11,12 @@ from PySide6.QtGui import QCursor
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import ImageReference
-from cpm_app.model.text.language import tr
+from cpm_app.model.state.situation import TEXTS_IN_VOLUMES
+from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.model.volume.slices import Slice
 from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.layers.drawing import DrawingLayer
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback
@@ -23,53 +27,20 @@ Cursor = Qt.CursorShape
 REMOVE_MODIFIER = Qt.KeyboardModifier.ShiftModifier
 """Key with which a click cuts or removes; window managers on Linux reserve clicks with Alt."""
 
-FREEHAND_SPACING = 1.0
-"""Minimum distance between two corners of a freehand path [px]."""
+_MIN_STROKE_MOVE = 0.25
+"""Minimum distance between two places of a stroke [tolerances for hits]."""
 
 MIN_DRAWN_AREA = 4.0
 """Area below which a closed path is taken for an accident [px²]."""
 
-OBJECT_GROUP = tr("Objects")
-"""Group of the tools that select and draw objects."""
-
-SELECT_GROUP = tr("Select")
-"""Group of the tools that select and erase."""
-
-MEND_GROUP = tr("Mend")
-"""Group of the tools that mend contours and objects."""
-
-CIRCLE_GROUP = tr("Circle")
-"""Group of the closed starts."""
-
-STROKE_GROUP = tr("Stroke")
-"""Group of the open starts and points."""
-
-AREA_GROUP = tr("Area")
-"""Group of the starts that fill an area."""
-
-AUTO_GROUP = tr("Auto")
-"""Group of the starts that need no drawing; it has no tools."""
-
-LIMIT_GROUP = tr("Limit")
-"""Group of regions of interest and barriers."""
-
-CHARGE_GROUP = tr("Charge")
-"""Group of the placed charges."""
-
-TOOL_GROUPS = (
-    OBJECT_GROUP,
-    SELECT_GROUP,
-    MEND_GROUP,
-    CIRCLE_GROUP,
-    STROKE_GROUP,
-    AREA_GROUP,
-    AUTO_GROUP,
-    LIMIT_GROUP,
-    CHARGE_GROUP,
-)
-"""Groups of tools in display order."""
-
 _gestures = itertools.count()
+
+
+def draw_shape(session: Session, shape: Shape) -> None:
+    """Add a shape to the document and select it."""
+    name = tr("draw {shape}", shape=translate_core_text(shape.title))
+    session.edit(name, lambda document: edits.add_shape(document, shape))
+    session.select_shape(len(session.document.shapes) - 1)
 
 
 class Tool:
@@ -85,8 +56,6 @@ class Tool:
     """Text in the menu."""
     shortcut: str
     """Key that selects the tool."""
-    group: str
-    """One of `TOOL_GROUPS`."""
     panel: Literal["objects", "run"] = "run"
     """The tab of the right column that belongs to it."""
     tip: str = ""
@@ -105,11 +74,23 @@ class Tool:
     """Slice under the pointer; None in an image."""
     modifiers = Qt.KeyboardModifier.NoModifier
     """Modifier keys that are held; they may constrain the shape."""
+    reach = 1.0
+    """Tolerance for hits [px of the image]."""
+    stroke_spacing = 1.0
+    """Minimum distance between two places of a stroke [px of the image]."""
+    drag_distance = 1.0
+    """Distance from the press from which a click is a drag [tolerances for hits]."""
 
     def __init__(self, workspace: Workspace, drawing: DrawingLayer, advised: Callback) -> None:
         self._workspace, self._drawing, self._on_advice_changed = workspace, drawing, advised
         self._session = workspace.session
         self.used = False
+        self.pointer: Place | None = None
+        """Place of the pointer; None when it has left."""
+        self.stroke: list[Place] = []
+        """Places of the pointer since the button was pressed; empty while it is up."""
+        self.is_dragged = False
+        """Whether the pointer has left the place where the button was pressed."""
         self.set_up()
 
     def set_up(self) -> None:
@@ -143,21 +124,67 @@ class Tool:
         return False
 
     @property
+    def usage(self) -> str:
+        """Sentence on what the tool does, which in a volume may be another one."""
+        return self.tip if self.volume is None else TEXTS_IN_VOLUMES.get(self.name, ("", self.tip))[1]
+
+    @property
     def advice(self) -> str:
         """Sentence on what to do next, or empty."""
         return "" if self.used else self.guidance
 
-    def on_press(self, at: Place, reach: float) -> None:
-        """Handle a press of the left button; `reach` is the tolerance for hits [px]."""
+    def press(self, at: Place) -> None:
+        """Press the left button."""
+        self.pointer, self.stroke, self.is_dragged, self.used = at, [at], False, True
+        self.on_press(at)
+        self.update_marks()
+
+    def drag(self, at: Place) -> None:
+        """Move with the button down, unless the gesture was canceled."""
+        if self.stroke:
+            self.pointer = at
+            self.is_dragged = self.is_dragged or math.dist(self.stroke[0], at) > self.drag_distance * self.reach
+            if math.dist(self.stroke[-1], at) >= max(self.stroke_spacing, _MIN_STROKE_MOVE * self.reach):
+                self.stroke.append(at)
+            self.on_drag(at)
+            self.update_marks()
+
+    def release(self) -> None:
+        """Release the button."""
+        if self.stroke:
+            self.on_release()
+        self._end_stroke()
+
+    def hover(self, at: Place) -> None:
+        """Move with the button up."""
+        self.pointer = at
+        self.on_hover(at)
+        self.update_marks()
+
+    @property
+    def has_new_place(self) -> bool:
+        """Whether the last move has extended the stroke."""
+        return bool(self.stroke) and self.stroke[-1] is self.pointer
+
+    def on_press(self, at: Place) -> None:
+        """Handle a press of the left button."""
 
     def on_drag(self, at: Place) -> None:
         """Handle a move with the button down."""
 
     def on_release(self) -> None:
-        """Handle the release of the button."""
+        """Handle the release of the button at the end of a stroke."""
 
     def on_hover(self, at: Place) -> None:
         """Handle a move with the button up."""
+
+    def update_marks(self) -> None:
+        """Draw the marks again, and give the advice that belongs to them."""
+        self.draw_marks()
+        self._on_advice_changed()
+
+    def draw_marks(self) -> None:
+        """Draw the draft, the ring or the preview of the tool, or hide them; called after each event."""
 
     def resize_by(self, by: float) -> None:
         """Enlarge the tool; negative values of `by` make it smaller."""
@@ -170,18 +197,29 @@ class Tool:
 
     def cancel(self) -> None:
         """Undo the gesture."""
+        self._end_stroke()
 
     def set_in_use(self, in_use: bool) -> None:
         """Prepare for use, or end it."""
 
     def hide_marks(self) -> None:
         """Hide the marks of the tool when the pointer has left or another tool is used."""
+        self.pointer = None
+        self.update_marks()
 
-    def cursor_at(self, at: Place, reach: float) -> Cursor | QCursor:
+    def _end_stroke(self) -> None:
+        self.stroke, self.is_dragged = [], False
+        self.update_marks()
+
+    def show_message(self, text: str) -> None:
+        """Tell the user why nothing was done."""
+        self._session.messages.show(text, category=EDITING_CATEGORY)
+
+    def cursor_at(self, at: Place) -> Cursor | QCursor:
         """Return the cursor over a position."""
         return Cursor.CrossCursor
 
-    def has_handle_at(self, at: Place, reach: float) -> bool:
+    def has_handle_at(self, at: Place) -> bool:
         """Tell whether a handle of the selected shape lies at a position, so that a press there goes to this tool."""
         return False
 
@@ -209,6 +247,7 @@ class ShapeTool(Tool):
         elif index is not None and self._drawn_shape is not None:
             self._session.edit("", lambda document: edits.delete_shape(document, index), self._gesture)
         self._end_gesture()
+        super().cancel()
 
     @property
     def _drawn_shape(self) -> Shape | None:
@@ -228,8 +267,8 @@ class ShapeTool(Tool):
         self._session.end_gesture()
 
     def _put_shape(self, activity: str, shape: Shape) -> None:
-        """Add the shape of the gesture to the document, or replace it there."""
-        index = self._index
+        """Add the shape of the gesture to the document, or replace it there; the activity may name it."""
+        index, activity = self._index, activity.format(shape=translate_core_text(shape.title))
         if index is not None and self._drawn_shape is not None:
             self._session.edit(activity, lambda document: edits.replace_shape(document, index, shape), self._gesture)
         elif index is not None and self._before is None:

@@ -7,12 +7,10 @@ from functools import partial
 import numpy as np
 from PySide6.QtGui import QGuiApplication
 
-from cpm_app.model.document import edits
 from cpm_app.model.space.camera import Camera
-from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_selection import ObjectSelection
 from cpm_app.session.session import Session
-from cpm_app.views.tools.tool import REMOVE_MODIFIER
+from cpm_app.views.tools.tool import REMOVE_MODIFIER, draw_shape
 from cpm_core import VolumePartition
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Sides
@@ -35,15 +33,10 @@ def draw_shape_at(session: Session, tool: str, at: Place) -> None:
     if image is None or image.ndim != 3 or tool not in ("circle", "points"):
         return
     shape: Shape = Points((at,))
-    name = tr("place point")
     if tool == "circle":
         shortest = min(n * side for n, side in zip(image.shape, image.spacing, strict=True)) / min(image.spacing)
-        shape, name = (
-            Sphere.from_voxel_size(at, max(_NEW_SPHERE_FRACTION * shortest, _MIN_NEW_RADIUS), image.spacing),
-            tr("draw sphere"),
-        )
-    session.edit(name, lambda document: edits.add_shape(document, shape))
-    session.select_shape(len(session.document.shapes) - 1)
+        shape = Sphere.from_voxel_size(at, max(_NEW_SPHERE_FRACTION * shortest, _MIN_NEW_RADIUS), image.spacing)
+    draw_shape(session, shape)
 
 
 def select_body_at(selection: ObjectSelection, camera: Camera, spacing: Sides, at: Place) -> None:

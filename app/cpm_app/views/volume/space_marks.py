@@ -11,13 +11,10 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen
 
 from cpm_app.model.display.lengths import find_scale_bar
 from cpm_app.model.space.camera import Camera
-from cpm_app.model.space.view_in_space import AXIS_COLORS, SpaceStyle, ViewInSpace
+from cpm_app.model.space.view_in_space import AXIS_COLORS, ViewInSpace
 from cpm_app.model.volume.slices import axis_ends
 from cpm_app.views.theme import theme
 from cpm_core.numerics.types import Pixels
-
-CANVAS_LOOK = SpaceStyle(background=(0x14, 0x16, 0x1A))
-"""Look with the background of the canvas."""
 
 _MAX_BAR_LENGTH = 120.0
 """Maximum length of the scale bar [px of the screen]."""
@@ -83,7 +80,7 @@ def render_picture(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> 
     ndarray of uint8, shape (rows, cols, 3)
         RGB colors, where `size` is (rows, cols).
     """
-    colors = np.ascontiguousarray(view.render_picture(camera, size, CANVAS_LOOK).colors)
+    colors = np.ascontiguousarray(view.render_picture(camera, size).colors)
     rows, cols = size
     image = QImage(colors.data, cols, rows, 3 * cols, QImage.Format.Format_RGB888)
     painter = QPainter(image)

@@ -30,7 +30,7 @@ from cpm_app.model.volume.slices import find_front_axis, slice_directions
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.session import Session
 from cpm_app.views.theme import theme
-from cpm_app.views.volume.space_marks import CANVAS_LOOK, draw_marks, draw_text
+from cpm_app.views.volume.space_marks import draw_marks, draw_text
 from cpm_core.numerics import Array, Place
 from cpm_core.numerics.types import record
 
@@ -320,16 +320,12 @@ def _draw_frame(
     number: int,
 ) -> _SpaceFrame:
     """Draw a frame on the drawing thread."""
-    begin, particles = time.perf_counter(), view.particles
-    look, seen = (
-        replace(CANVAS_LOOK, radius=max(CANVAS_LOOK.radius / coarseness, 0.6)),
-        camera.enlarged(1.0 / coarseness),
-    )
+    begin, particles, seen = time.perf_counter(), view.particles, camera.enlarged(1.0 / coarseness)
     if view.shown.opacity < 1.0:
-        picture = view.render_picture(seen, size, look)
+        picture = view.render_picture(seen, size, coarseness)
     else:  # everything except the particles is drawn only once
         still = replace(view, particles=None)
         made_of = *(getattr(still, one.name) for one in fields(still)), camera, size
-        picture = parts.get_named("still", lambda: still.render_picture(seen, size, look), *made_of).copy()
-        view.draw_particles(picture, particles, seen, look)
+        picture = parts.get_named("still", lambda: still.render_picture(seen, size, coarseness), *made_of).copy()
+        view.draw_particles(picture, particles, seen, coarseness)
     return _SpaceFrame(picture, particles, seen, coarseness, number, time.perf_counter() - begin)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from weakref import WeakKeyDictionary
@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from PySide6.QtGui import QColor
 
-from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, color_particles
+from cpm_app.model.display.coloring import QUANTITIES, color_particles
 from cpm_app.model.space.triangles import SurfaceMesh
 from cpm_app.model.space.view_in_space import ColoredMesh, ShownParticles, ViewInSpace, Wires
 from cpm_app.model.space.voxels import ShadedVolume
@@ -19,7 +19,7 @@ from cpm_app.session.exchange.messages import Reconstruction, Snapshot
 from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.scene import Proposal, Scene
 from cpm_app.views.layers import Layers
-from cpm_app.views.layers.particles import DARK_MAP_FRACTION, UNKNOWN_COLOR
+from cpm_app.views.layers.particles import build_quantity_palette
 from cpm_app.views.layers.skeleton import split_skeleton_by_thickness
 from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, get_canvas_style
@@ -77,17 +77,12 @@ def _build_particles(
 ) -> ShownParticles | None:
     if snapshot is None or size == 0.0:
         return None
-    state, palette, marks = (
-        snapshot.state,
-        np.array(list(map(_to_rgb, inks)), np.uint8),
-        snapshot.resting.astype(np.uint8),
-    )
+    palette: Sequence[str] = inks
+    marks = snapshot.resting.astype(np.uint8)
     if quantity in QUANTITIES:
-        marks = color_particles(QUANTITIES[quantity], state, snapshot.metrics).color_indices
-        palette = np.vstack(
-            [color_maps.color_table(map_name, SHADE_COUNT, DARK_MAP_FRACTION), _to_rgb(UNKNOWN_COLOR)]
-        ).astype(np.uint8)
-    return ShownParticles(snapshot.position, palette[marks], size)
+        marks, _ = color_particles(QUANTITIES[quantity], snapshot.state, snapshot.metrics)
+        palette = build_quantity_palette(map_name)
+    return ShownParticles(snapshot.position, np.array([*map(_to_rgb, palette)])[marks], size)
 
 
 def _build_surface_mesh(found: Reconstruction | None) -> SurfaceMesh | None:
@@ -104,51 +99,34 @@ def _build_object_meshes(
     """Build the meshes of the objects, except hidden and edited ones, and of the proposals."""
     if objects is None:
         return ()
-    seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
-    shown = (
+    seen = [item for item in objects.items if not item.hidden and item.number != objects.edited and item.surface]
+    shown = [
         (
             bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.unpacked_surface,
             objects.color_of(item),
         )
         for item in seen
-        if item.surface
-    )
-    found = [
-        each.selection
-        for each in offered
-        if isinstance(each.selection, VolumeSelection) and each.selection.has_boundary
     ]
-    return (
-        *(
-            _color_surface(body, spacing, get_canvas_style().resolve_color(color))
-            for body, color in shown
-            if body is not None
-        ),
-        *(
-            _color_surface(selection.surface, spacing, get_canvas_style().resolve_color(theme.PROPOSAL_COLOR))
-            for selection in found
-        ),
-    )
+    found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection)]
+    shown += [(selection.surface, theme.PROPOSAL_COLOR) for selection in found if selection.has_boundary]
+    return tuple(_color_surface(body, spacing, color) for body, color in shown if body is not None)
 
 
 def _build_truth_mesh(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMesh, ...]:
-    return (
-        (_color_surface(truth.surface, spacing, get_canvas_style().resolve_color(theme.TRUTH_COLOR)),)
-        if isinstance(truth, VolumeTruth)
-        else ()
-    )
+    return (_color_surface(truth.surface, spacing, theme.TRUTH_COLOR),) if isinstance(truth, VolumeTruth) else ()
 
 
 _MESH_CACHE: WeakKeyDictionary[Surface, SurfaceMesh] = WeakKeyDictionary()
 """Meshes of surfaces that are still in use."""
 
 
-def _color_surface(surface: Surface, spacing: Sides, color: str) -> ColoredMesh:
+def _color_surface(surface: Surface, spacing: Sides, ink: Ink | str) -> ColoredMesh:
     """Color a surface; reuse its mesh, with the normals, from the last view."""
-    mesh, shade = _MESH_CACHE.get(surface), QColor(color)
+    mesh = _MESH_CACHE.get(surface)
     if mesh is None or mesh.surface.spacing != spacing:
         mesh = _MESH_CACHE[surface] = SurfaceMesh(replace(surface, spacing=spacing))
-    return ColoredMesh(mesh, (shade.red(), shade.green(), shade.blue()))
+    red, green, blue = _to_rgb(ink).tolist()
+    return ColoredMesh(mesh, (red, green, blue))
 
 
 def _build_wires(

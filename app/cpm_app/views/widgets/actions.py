@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from functools import partial
 from typing import Protocol, runtime_checkable
 
-from PySide6.QtCore import QPoint
-from PySide6.QtGui import QAction, QActionGroup, QKeySequence
-from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAction, QActionGroup, QKeySequence, QPalette
+from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton, QWidget
 
 from cpm_app.model.state.situation import (
     HIDDEN_IN_VOLUMES,
@@ -23,8 +22,6 @@ from cpm_app.model.state.situation import (
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import translate_core_text
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
-from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics.types import Callback, Texts, frozen
 
 
@@ -135,70 +132,50 @@ class Actions(dict[str, QAction]):
 
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec]) -> None:
         super().__init__()
-        self._theme: Theme | None = None
-        self._in_volume = False
         self._groups: dict[str, QActionGroup] = {}
         self.specs: dict[str, ActionSpec] = {}
         """Specifications by name, in the order of the features."""
-        self._icons: dict[str, str] = {}
+        self._looks: dict[str, tuple[str, str, str]] = {}
+        """Text, tip and icon of each action in the current situation."""
         for spec in specs:
             assert spec.name not in self.specs, spec.name
             self.specs[spec.name] = spec
             self[spec.name] = self._create_action(spec, parent)
+            if spec.icon:
+                self._show_icon(spec.name)
 
     def show_situation(self, situation: Situation) -> None:
-        """Update state, text and icon of all actions."""
-        volume = has_volume(situation)
-        self._show_volume_texts(volume)
+        """Update state, text and icon of all actions, some of which are others in volumes."""
+        in_volume = has_volume(situation)
         for name, spec in self.specs.items():
             action = self[name]
-            action.setVisible(spec.visible_when(situation) and not (volume and name in HIDDEN_IN_VOLUMES))
+            action.setVisible(spec.visible_when(situation) and not (in_volume and name in HIDDEN_IN_VOLUMES))
             action.setEnabled(spec.when(situation))
             if spec.checked_when is not None:
                 action.setChecked(spec.checked_when(situation))
-            if spec.text_for is not None and _without_mnemonic(action.text()) != _without_mnemonic(
-                text := spec.text_for(situation)
-            ):
+            text, tip, icon = spec.text, spec.tip, spec.icon
+            if in_volume:
+                text, tip = TEXTS_IN_VOLUMES.get(name, (text, tip))
+                icon = ICONS_IN_VOLUMES.get(name, icon)
+            if spec.text_for is not None:
+                text = spec.text_for(situation)
+            if spec.icon_for is not None:
+                icon = spec.icon_for(situation)
+            before, self._looks[name] = self._looks[name], (text, tip, icon)
+            if text != before[0]:
+                titled = action.iconText() == _without_mnemonic(before[0])
                 action.setText(text)
+                if titled:  # and not given another text for its button
+                    action.setIconText(_without_mnemonic(text))
+            if icon != before[2]:
+                self._show_icon(name)
+            if (text, tip) != before[:2]:
                 self._update_tips(name)
-            if spec.icon_for is not None and self._icons[name] != (wanted := spec.icon_for(situation)):
-                self._icons[name] = wanted
-                self._tint_icon(name)
-
-    def _show_volume_texts(self, volume: bool) -> None:
-        """Exchange the texts and icons of the actions that do something else in volumes."""
-        if volume == self._in_volume:
-            return
-        self._in_volume = volume
-        for name, (in_volume, _) in TEXTS_IN_VOLUMES.items():
-            action, text = self[name], in_volume if volume else self.specs[name].text
-            on_button = (
-                _without_mnemonic(text) if action.iconText() == _without_mnemonic(action.text()) else action.iconText()
-            )
-            action.setText(text)
-            action.setIconText(on_button)
-            if name in ICONS_IN_VOLUMES:
-                self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self.specs[name].icon
-                self._tint_icon(name)
-            self._update_tips(name)
 
     def show_keys(self) -> None:
         """Name the current keys in all tips, which may refer to other actions."""
         for name in self.specs:
             self._update_tips(name)
-
-    def use_theme(self, theme: Theme, turns: Turns) -> None:
-        """Tint the icons in later turns, those on buttons first; a new window tints these immediately."""
-        is_new, self._theme = self._theme is None, theme
-
-        def is_off_buttons(name: str) -> bool:
-            return not any(isinstance(it, QToolBar | QToolButton) for it in self[name].associatedObjects())
-
-        for name in sorted(self._icons, key=is_off_buttons):
-            if is_new and not is_off_buttons(name):
-                self._tint_icon(name)
-            else:
-                turns.schedule_work(partial(self._tint_icon, name))
 
     def _create_action(self, spec: ActionSpec, parent: QWidget) -> QAction:
         shown = f"\t{native_key_text(spec.shown_key)}" if spec.shown_key else ""
@@ -213,29 +190,40 @@ class Actions(dict[str, QAction]):
         action.triggered.connect(lambda checked=False: spec.do())
         if spec.short:
             action.setIconText(spec.short)
-        if spec.icon:
-            self._icons[spec.name] = spec.icon
+        self._looks[spec.name] = spec.text, spec.tip, spec.icon
         parent.addAction(action)
         return action
 
     def _update_tips(self, name: str) -> None:
-        """Set the tips of an action; some are different in volumes."""
-        action, tip = self[name], self.specs[name].tip
-        if self._in_volume:
-            tip = TEXTS_IN_VOLUMES.get(name, ("", tip))[1]
-        text, key = insert_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
-        action.setStatusTip(text)
-        action.setToolTip(f"{_without_mnemonic(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {text}")
+        """Set the tips of an action."""
+        action, (text, tip, _) = self[name], self._looks[name]
+        words, key = insert_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
+        action.setStatusTip(words)
+        action.setToolTip(f"{_without_mnemonic(text).rstrip('…')}{f' ({key})' if key else ''}: {words}")
 
-    def _tint_icon(self, name: str) -> None:
-        if self._theme is not None:
-            color = self._theme.accent_text if name == PRIMARY_ACTION else self._theme.text
-            self[name].setIcon(load_icon(self._icons[name], color, faded=self._theme.line))
+    def _show_icon(self, name: str) -> None:
+        role = QPalette.ColorRole.HighlightedText if name == PRIMARY_ACTION else QPalette.ColorRole.WindowText
+        self[name].setIcon(load_icon(self._looks[name][2], role))
 
 
 def _without_mnemonic(text: str) -> str:
-    """Return a text without a shown key and its mnemonic, which Chinese and Japanese put in parentheses."""
-    return re.sub(r"\(&\w\)", "", text.partition("\t")[0]).replace("&", "")
+    """Return a text without its mnemonic, which Chinese and Japanese put in parentheses."""
+    return re.sub(r"\(&\w\)", "", text).replace("&", "")
+
+
+class ActionButton(QToolButton):
+    """Button of an action of the window, by its name; the window connects it when it has all actions."""
+
+    def __init__(self, name: str, style: Qt.ToolButtonStyle = Qt.ToolButtonStyle.ToolButtonTextOnly) -> None:
+        super().__init__(toolButtonStyle=style, autoRaise=style == Qt.ToolButtonStyle.ToolButtonIconOnly)
+        self.setObjectName(name)
+        if not self.autoRaise():
+            self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+
+    def use_action(self, action: QAction) -> None:
+        """Perform an action, and be there while it is available."""
+        self.setDefaultAction(action)
+        action.visibleChanged.connect(lambda: self.setVisible(action.isVisible()))
 
 
 def add_menu_action(menu: QWidget, text: str, do: Callback, tip: str = "", checked: bool | None = None) -> QAction:

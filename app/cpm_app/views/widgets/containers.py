@@ -28,7 +28,6 @@ from PySide6.QtWidgets import (
 
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
 from cpm_core.numerics.types import Callback
 
 Layout = TypeVar("Layout", bound=QBoxLayout)
@@ -214,8 +213,9 @@ class ElidedLabel(QLabel):
 
     def setText(self, text: str) -> None:
         """Show another text."""
-        super().setText(text)
-        self._check_fit()
+        if text != self.text():
+            super().setText(text)
+            self._check_fit()
 
     def minimumSizeHint(self) -> QSize:
         """Return one line of any width."""
@@ -260,6 +260,7 @@ class OfferBar(QFrame):
         self.buttons: list[QPushButton] = []
         self.cross = create_flat_button("", tr("No, thank you"), self.dismiss_offer)
         self.cross.setObjectName("quiet")
+        self.cross.setIcon(load_icon("close"))
         row = QHBoxLayout(self)
         self._row = fill_layout(row, self._label, self.cross, margins=(12, 4, 6, 4), spacing=8, wide=self._label)
         self._offers: list[tuple[str, tuple[tuple[str, Callback], ...]]] = []
@@ -284,10 +285,6 @@ class OfferBar(QFrame):
         """Drop all offers."""
         self._offers = []
         self._show_first_offer()
-
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the cross."""
-        self.cross.setIcon(load_icon("close", theme.text))
 
     def _show_first_offer(self) -> None:
         for button in self.buttons:

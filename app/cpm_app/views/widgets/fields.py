@@ -244,19 +244,19 @@ class MarkedSlider(WheelWithFocus, QSlider):
 class PlaceBar(QFrame):
     """Line below the canvas that selects a slice or page by a slider and a number.
 
-    `title` and `name` are the accessible names of slider and number; Page Up and Page Down move by `jump`.
+    `title` and `name` are the accessible names of slider and number.
     """
 
     moved = Signal(int)
     """The user selects a slice or page."""
 
-    def __init__(self, title: str, name: str, jump: int) -> None:
+    def __init__(self, title: str, name: str) -> None:
         super().__init__()
         self.setObjectName("slices")
         self.slider, self.number, self.total_label = QSlider(Qt.Orientation.Horizontal), QSpinBox(), create_dim_label()
         self.slider.setAccessibleName(title)
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.slider.setPageStep(jump)
+        self.slider.setPageStep(PLACE_JUMP)
         self.number.setAccessibleName(name)
         self.number.setKeyboardTracking(False)
         self.slider.valueChanged.connect(self.moved)

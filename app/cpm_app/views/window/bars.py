@@ -25,9 +25,7 @@ from cpm_app.model.state.situation import format_remaining_time
 from cpm_app.model.text.language import tr
 from cpm_app.session.tasks.tasks import BackgroundTask, TaskManager
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.theme.theme import Theme
-from cpm_app.views.tools import TOOLS
-from cpm_app.views.tools.tool import AUTO_GROUP, TOOL_GROUPS
+from cpm_app.views.tools import AUTO_GROUP, TOOLS_BY_GROUP
 from cpm_app.views.widgets.actions import PRIMARY_ACTION, Actions
 from cpm_app.views.widgets.containers import VerticalScrollArea, create_dim_label, create_flat_button, fill_layout
 from cpm_core.shapes import SEEDING_KINDS
@@ -125,12 +123,12 @@ class ToolPalette(QToolBar):
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
         self.setIconSize(QSize(20, 20))
-        names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in TOOL_GROUPS}
+        names = {group: [tool.name for tool in tools] for group, tools in TOOLS_BY_GROUP.items()}
         names[AUTO_GROUP] = [f"start_{kind}" for kind in SEEDING_KINDS]
         self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
         self.buttons[AUTO_GROUP].setProperty("start", True)  # its check mark is no tool in use
         column = QWidget()
-        longest = max(map(self.fontMetrics().horizontalAdvance, TOOL_GROUPS))
+        longest = max(map(self.fontMetrics().horizontalAdvance, names))
         for button in self.buttons.values():
             button.setIconSize(self.iconSize())
             button.setFixedWidth(max(_TOOL_BUTTON_WIDTH, longest + _TOOL_BUTTON_MARGIN))
@@ -193,6 +191,7 @@ class TaskBar(QWidget):
         self._bar.setFixedWidth(_PROGRESS_BAR_WIDTH)
         self._bar.setMaximumHeight(self.fontMetrics().height())
         self._button = create_flat_button(tr("Cancel"), "", self.cancel)
+        self._button.setIcon(load_icon("close"))
         parts = self._name, self._bar, self._remaining_label, self._button
         fill_layout(QHBoxLayout(self), *parts, margins=(6, 0, 6, 0), spacing=8)
         self._show_timer = QTimer(self, singleShot=True)
@@ -212,10 +211,6 @@ class TaskBar(QWidget):
         if task is not None:
             task.cancel()
             self._tasks.announce_changes()
-
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the button."""
-        self._button.setIcon(load_icon("close", theme.text))
 
     def _show_task(self) -> None:
         current = self._tasks.current

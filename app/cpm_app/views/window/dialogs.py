@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Literal, cast
 
-from PySide6.QtWidgets import QAbstractButton, QFileDialog, QInputDialog, QMessageBox, QPushButton, QWidget
+from PySide6.QtWidgets import QAbstractButton, QFileDialog, QInputDialog, QMessageBox, QWidget
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.session import Session
@@ -17,13 +17,6 @@ from cpm_core.numerics.types import Texts, frozen
 
 UnsavedAnswer = Literal["save", "discard", "cancel"]
 
-_BUTTON_ROLES = {
-    "accept": QMessageBox.ButtonRole.AcceptRole,
-    "discard": QMessageBox.ButtonRole.DestructiveRole,
-    "cancel": QMessageBox.ButtonRole.RejectRole,
-}
-"""Qt roles of the buttons of a question."""
-
 _MIN_DIALOG_WIDTH = 360
 """Smallest width of a dialog [px]."""
 
@@ -31,36 +24,44 @@ _TITLE_BAR_SPACE = 180
 """Width that the frame needs next to the title, so that the title is not cut off [px]."""
 
 
-@frozen
-class AnswerButton:
-    """Button of a question: the answer it gives, its text, and its role."""
-
-    answer: str
-    text: str
-    role: Literal["accept", "discard", "cancel"]
-
-
 class QuestionDialog(QMessageBox):
     """Dialog with a question and a sentence that explains it.
 
-    The default is the first button that accepts, or else the one that cancels, which is also the one of Escape. There
-    is no icon, as those of Qt have another style.
+    The default is the first button that loses nothing. There is no icon, as those of Qt have another style.
+
+    Parameters
+    ----------
+    parent : QWidget
+        Window that the question belongs to.
+    title, text, more : str
+        Title, question and explanation.
+    answers : mapping
+        Answers and the texts of their buttons; the last one is that of Escape, too.
+    losing : collection of str
+        Answers that lose something.
     """
 
-    def __init__(self, parent: QWidget, title: str, text: str, more: str, buttons: Sequence[AnswerButton]) -> None:
+    def __init__(
+        self,
+        parent: QWidget,
+        title: str,
+        text: str,
+        more: str,
+        answers: Mapping[str, str],
+        losing: Collection[str] = (),
+    ) -> None:
         super().__init__(QMessageBox.Icon.NoIcon, title, text)
         self.setParent(parent, self.windowFlags())
         self.setInformativeText(more)
+        role, last = QMessageBox.ButtonRole, [*answers][-1]
         self._answers: dict[QAbstractButton, str] = {}
-        for button in buttons:
-            made = self.addButton(button.text, _BUTTON_ROLES[button.role])
-            self._answers[made] = button.answer
-            if button.role == "accept" and self.defaultButton() is None:
-                self.setDefaultButton(made)
-            elif button.role == "cancel":
-                self.setEscapeButton(made)
-        if self.defaultButton() is None:
-            self.setDefaultButton(cast("QPushButton", self.escapeButton()))
+        for answer, words in answers.items():
+            fits = role.RejectRole if answer == last else role.DestructiveRole if answer in losing else role.AcceptRole
+            button = self.addButton(words, fits)
+            self._answers[button] = answer
+            if self.defaultButton() is None and answer not in losing:
+                self.setDefaultButton(button)
+        self.setEscapeButton(button)
 
     def read_answer(self) -> str:
         """Return the answer of the button that was pressed."""
@@ -75,11 +76,7 @@ class QuestionDialog(QMessageBox):
 
 def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> UnsavedAnswer:
     """Ask what to do with the unsaved work on `name`; `lost` lists what is not saved."""
-    buttons = (
-        AnswerButton("save", tr("&Save"), "accept"),
-        AnswerButton("discard", tr("&Discard changes"), "discard"),
-        AnswerButton("cancel", tr("&Keep editing"), "cancel"),
-    )
+    answers = {"save": tr("&Save"), "discard": tr("&Discard changes"), "cancel": tr("&Keep editing")}
     text = tr("Save the work on “{name}”?", name=name)
     parts = "".join(lost)
     more = tr("{parts} is not saved.") if parts.startswith("1 ") else tr("{parts} are not saved.")
@@ -87,17 +84,15 @@ def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Unsave
         parts = tr("{parts} and {last}", parts=", ".join(lost[:-1]), last=lost[-1])
         more = tr("{parts} are not saved.")
     more = more.format(parts=f"{parts[:1].upper()}{parts[1:]}")
-    return cast("UnsavedAnswer", QuestionDialog(parent, tr("Unsaved work"), text, more, buttons).wait_for_answer())
+    question = QuestionDialog(parent, tr("Unsaved work"), text, more, answers, ("discard",))
+    return cast("UnsavedAnswer", question.wait_for_answer())
 
 
 def ask_to_replace(parent: QWidget, name: str) -> bool:
     """Ask whether the file of this name may be replaced."""
-    buttons = AnswerButton("keep", tr("&Keep it"), "cancel"), AnswerButton("replace", tr("&Replace"), "discard")
-    more = tr("A file with this name exists; its contents would be lost.")
-    return (
-        QuestionDialog(parent, tr("Replace file"), tr("Replace “{name}”?", name=name), more, buttons).wait_for_answer()
-        == "replace"
-    )
+    answers = {"replace": tr("&Replace"), "keep": tr("&Keep it")}
+    more, text = tr("A file with this name exists; its contents would be lost."), tr("Replace “{name}”?", name=name)
+    return QuestionDialog(parent, tr("Replace file"), text, more, answers, ("replace",)).wait_for_answer() == "replace"
 
 
 def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str) -> str | None:

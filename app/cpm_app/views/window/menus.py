@@ -9,23 +9,9 @@ from PySide6.QtCore import QEvent, QObject, QPoint
 from PySide6.QtGui import QAction, QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu, QMenuBar, QWidget
 
-from cpm_app.model.text.keys import make_mnemonics_unique
 from cpm_app.model.text.language import tr
 from cpm_app.views.widgets.actions import Actions, ActionSpec, MenuOwner, Submenu
 from cpm_core.numerics.types import Texts
-
-
-def keep_mnemonics_distinct(menu: QMenu) -> None:
-    """Make the mnemonics of the visible entries distinct whenever the menu opens."""
-
-    def make_distinct() -> None:
-        visible = [action for action in menu.actions() if action.isVisible() and not action.isSeparator()]
-        for action, text in zip(visible, make_mnemonics_unique([action.text() for action in visible]), strict=True):
-            if text != action.text():
-                action.setText(text)
-
-    menu.aboutToShow.connect(make_distinct)
-
 
 MENU_TITLES = {
     "File": tr("&File"),
@@ -53,7 +39,7 @@ class Menus:
 
     def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
-        for name, title in zip(MENU_TITLES, make_mnemonics_unique([*MENU_TITLES.values()]), strict=True):
+        for name, title in MENU_TITLES.items():
             self._menus[name] = bar.addMenu(title)
         for spec in sorted(specs, key=lambda spec: spec.name == QUIT_ACTION):
             if not spec.menu or spec.menu.startswith(">"):
@@ -67,8 +53,6 @@ class Menus:
                 inner.aboutToShow.connect(partial(refill_submenu, inner, spec))
             else:
                 menu.addAction(actions[spec.name])
-        for menu in self._menus.values():
-            keep_mnemonics_distinct(menu)
 
     def __getitem__(self, path: str) -> QMenu:
         """Return a menu by its path; create a missing submenu."""
@@ -89,7 +73,7 @@ CONTEXT_MENU_ACTIONS: Mapping[str, Texts] = {
     "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects",
                "objects_alike", "change_object", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
                "delete_object"),
-    "step": ("timeline_parameters", "timeline_delete", "", "export"),
+    "step": ("timeline_rename", "timeline_parameters", "timeline_delete", "", "export"),
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
               "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export"),
     "parameter": (),
@@ -154,6 +138,5 @@ class ContextMenus(QObject):
             else:
                 menu.addSeparator()
         menu.aboutToHide.connect(menu.deleteLater)
-        keep_mnemonics_distinct(menu)
         self.menu = menu
         menu.popup(place)

@@ -83,11 +83,8 @@ class PreferencesDialog(QDialog):
         self._field_updates: dict[str, Callback] = {}
         self.contents = PageList(tr("Pages of the preferences"), [*PAGE_TITLES.values()])
         preferences.changed.connect(self._on_preference_changed)
-        self._pages_by_name = {name: self._make_page(name) for name in PREFERENCES_BY_PAGE} | {
-            "shortcuts": ShortcutsPage(shortcuts)
-        }
         for name in PAGE_TITLES:
-            self._pages.addWidget(self._pages_by_name[name])
+            self._pages.addWidget(ShortcutsPage(shortcuts) if name == "shortcuts" else self._make_page(name))
         self.contents.currentRowChanged.connect(self._pages.setCurrentIndex)
         self.contents.setCurrentRow(0)
         buttons = QDialogButtonBox()
@@ -108,10 +105,6 @@ class PreferencesDialog(QDialog):
             min(_DIALOG_WIDTH, room.width() - _FREE_SCREEN_SPACE),
             min(_DIALOG_HEIGHT, room.height() - _FREE_SCREEN_SPACE),
         )
-
-    def get_page(self, name: str) -> QWidget:
-        """Return a page by its name."""
-        return self._pages_by_name[name]
 
     def turn_to(self, page: str) -> None:
         """Show a page by its name."""
@@ -224,7 +217,8 @@ class ShortcutsPage(QWidget):
         self.list.header().setSectionResizeMode(1, QHeaderView.ResizeMode.ResizeToContents)
         self.list.setUniformRowHeights(True)
         self._groups: dict[str, QTreeWidgetItem] = {}
-        self._items: dict[str, QTreeWidgetItem] = {}
+        self.rows: dict[str, QTreeWidgetItem] = {}
+        """Rows of the list by the names of their actions."""
         self._fill_action_list()
         self.list.currentItemChanged.connect(lambda *_: self._show_current())
         self.keys = QKeySequenceEdit(maximumSequenceLength=1)
@@ -247,10 +241,6 @@ class ShortcutsPage(QWidget):
         shortcuts.changed.connect(self._show_keys)
         self._show_keys()
 
-    def select_action(self, name: str) -> None:
-        """Select an action by its name."""
-        self.list.setCurrentItem(self._items[name])
-
     def _fill_action_list(self) -> None:
         for action in self._shortcuts.actions:
             if action.group not in self._groups:
@@ -258,7 +248,7 @@ class ShortcutsPage(QWidget):
                 group.setFlags(Qt.ItemFlag.ItemIsEnabled)
                 group.setFirstColumnSpanned(True)
                 group.setExpanded(True)
-            self._items[action.name] = item = QTreeWidgetItem(self._groups[action.group], [action.title])
+            self.rows[action.name] = item = QTreeWidgetItem(self._groups[action.group], [action.title])
             item.setData(0, _ACTION_NAME_ROLE, action.name)
 
     @property
@@ -269,11 +259,11 @@ class ShortcutsPage(QWidget):
     def _show_keys(self) -> None:
         """Show the current keys of the actions that match the search."""
         wanted = self.search.text().casefold()
-        for name, item in self._items.items():
+        for name, item in self.rows.items():
             item.setText(1, ", ".join(map(native_key_text, self._shortcuts.find_keys(name))))
             item.setHidden(wanted not in f"{item.text(0)} {item.text(1)}".casefold())
         for group in self._groups.values():
-            group.setHidden(all(item.isHidden() for item in self._items.values() if item.parent() is group))
+            group.setHidden(all(item.isHidden() for item in self.rows.values() if item.parent() is group))
         self._show_current()
 
     def _show_current(self) -> None:

@@ -12,7 +12,7 @@ from typing import TypeVar, cast
 
 from PySide6.QtCore import QByteArray, QSize, Qt, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
-from PySide6.QtWidgets import QMainWindow, QWidget
+from PySide6.QtWidgets import QMainWindow
 
 from cpm_app.model.display.lengths import prefer_unit
 from cpm_app.model.preferences.table import (
@@ -33,7 +33,7 @@ from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
 from cpm_app.views.canvas.status_fields import PointerReadout, ZoomReadout
 from cpm_app.views.theme import theme
-from cpm_app.views.widgets.actions import Actions, ActionSpec, Submenu
+from cpm_app.views.widgets.actions import ActionButton, Actions, ActionSpec, Submenu
 from cpm_app.views.widgets.fields import SpeedControl
 from cpm_app.views.widgets.turns import Turns
 from cpm_app.views.window.bars import ToolBar, ToolPalette
@@ -161,7 +161,7 @@ class MainWindow(QMainWindow):
         panels = [panel for feature in self.features.values() for panel in feature.panels]
         self.panels = {panel.name: panel.widget for panel in panels}
         self.docks = Docks(self, panels, self._keyboard, self.canvas_area.controls)
-        self._add_shortcuts()
+        self._connect_actions()
         self.context_menus = self._add_menus(specs)
         self.addToolBar(ToolBar(self.actions_by_name, self.speed))
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, ToolPalette(self.actions_by_name))
@@ -197,14 +197,6 @@ class MainWindow(QMainWindow):
     def open_image(self, path: str | Path, resumes: bool = False) -> None:
         """Open an image or a session; with `resumes`, an image together with the session next to it."""
         self.files_wanted.emit([Path(path)], resumes)
-
-    def use_theme(self, used: theme.Theme) -> None:
-        """Apply a theme."""
-        theme.apply_theme(used, self, self.turns.schedule_work)
-        self.actions_by_name.use_theme(used, self.turns)
-        for widget in self.findChildren(QWidget):
-            if hasattr(widget, "use_theme"):  # widgets with colors that the palette does not set
-                widget.use_theme(used)
 
     # Called by Qt
 
@@ -248,10 +240,15 @@ class MainWindow(QMainWindow):
         self.menus["View"].addActions([*self.docks.actions])
         menus = ContextMenus(self, specs, self.actions_by_name, self.docks.actions)
         menus.watch_widgets(self, self.docks.column)
-        self.canvas_area.canvas.pointer.menu_wanted.connect(partial(menus.open_menu_at, self.canvas_area))
+        self.canvas_area.canvas.menu_wanted.connect(partial(menus.open_menu_at, self.canvas_area))
         return menus
 
-    def _add_shortcuts(self) -> None:
+    def _connect_actions(self) -> None:
+        for name, spec in self.actions_by_name.specs.items():
+            if spec.checked_when is not None:  # Qt has changed the check mark, even if nothing else has changed
+                self.actions_by_name[name].triggered.connect(self.refresh_actions)
+        for button in self.findChildren(ActionButton):
+            button.use_action(self.actions_by_name[button.objectName()])
         for spec in self.actions_by_name.specs.values():
             menu, _, group = spec.menu.partition(">")
             group = MENU_TITLES[menu].replace("&", "") if menu else group
@@ -279,14 +276,14 @@ class MainWindow(QMainWindow):
             self._apply_canvas_style()
             for item in self.canvas_area.canvas.scene().items():
                 item.update()
-            self.canvas_area.strip.legend.update()
-            self._apply_selected_theme()
+            self.update()  # the swatches
         elif key == UNIT_PREFERENCE.name:
             self.canvas_area.canvas.layers["scale_bar"].apply_visibility()
             self.refresh_actions()
 
     def _apply_selected_theme(self) -> None:
-        self.use_theme(_THEMES_BY_NAME.get(self.preferences.read_preference(THEME_PREFERENCE)) or theme.system_theme())
+        selected = _THEMES_BY_NAME.get(self.preferences.read_preference(THEME_PREFERENCE))
+        theme.apply_theme(selected or theme.system_theme(), self)
 
     def _apply_canvas_style(self) -> None:
         value = self.preferences.read_preference

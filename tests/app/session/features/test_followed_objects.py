@@ -189,7 +189,7 @@ def test_a_click_in_the_table_or_in_the_plot_goes_to_the_page_and_selected_objec
     hand.wait(lambda: window.workspace.pages.number == 2)
 
 
-def test_contours_of_runs_are_listed_next_to_objects(stack, hand):
+def test_a_page_lists_the_contours_of_its_run_until_it_has_objects(stack, hand):
     window = stack(MOVING[:2])
     panel = window.get_feature(PagesFeature).panel
     hand.key(KEY.Key_F11, Qt.KeyboardModifier.ShiftModifier)
@@ -198,15 +198,12 @@ def test_contours_of_runs_are_listed_next_to_objects(stack, hand):
     hand.wait_for_phase("finished")
     settled(window, hand)
     assert panel.table.column_texts("kind") == ["closed", "closed"]
+    assert not any(row.is_object for row in panel.table.rows.items)
     hand.click(*MOVING[0][0][:2])
     hand.canvas.setFocus()
     hand.key(KEY.Key_Return)
     settled(window, hand)
-    hand.wait(lambda: set(window.workspace.pages.tables) == {"objects", "contours"})
-    assert not any(row.is_object for row in window.workspace.pages.tables["contours"][1])
-    panel.kind.setFocus()
-    hand.key(KEY.Key_Down)
-    hand.wait(lambda: window.workspace.pages.result is window.workspace.pages.tables["contours"][0])
+    assert [row.is_object for row in panel.table.rows.items] == [True]
 
 
 def test_following_can_be_cancelled_and_a_session_keeps_the_objects_of_all_pages(stack, hand, tmp_path):
@@ -221,13 +218,13 @@ def test_following_can_be_cancelled_and_a_session_keeps_the_objects_of_all_pages
     done = [number for number, one in pages.documents.items() if one.objects.items]
     assert 2 in done
     followed(window, hand)
-    rows = pages.tables["objects"][1]
+    rows = pages.table[1]
     documents = window.get_feature(OpenSaveFeature).document_file
     assert documents.save_and_wait(tmp_path / "a.cpm")
     window.session.open_file(tmp_path / "a.cpm")
     hand.wait(lambda: window.session.idle and set(pages.documents) == {1, 2, 3, 4})
     settled(window, hand)
-    again = pages.tables["objects"][1]
+    again = pages.table[1]
     assert [(row.page, row.track, row.gray) for row in again] == [(row.page, row.track, row.gray) for row in rows]
     assert len(rows) == 8
     assert not documents.unsaved

@@ -20,17 +20,16 @@ LEFT = Qt.MouseButton.LeftButton
 
 @pytest.fixture
 def wipe(ready, hand):
-    """The divider of a window with a finished run, whose result has been kept and chosen by mouse."""
+    """The divider of a window with a finished run, which has been chosen."""
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.scene.result is not None and ready.session.idle)
     feature, compared = ready.get_feature(CompareFeature), ready.workspace.comparison
     hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
     hand.wait(feature.panel.isVisible)
-    hand.qtbot.mouseClick(feature.panel.keep, LEFT)
-    hand.wait(lambda: compared._latest.idle and len(compared.agreements) == 1)
     hand.canvas.setFocus()
     compared.select_row(max(compared.rows))
+    hand.wait(lambda: compared._latest.idle and len(compared.agreements) == 1)
     return feature.wipe
 
 

@@ -49,8 +49,8 @@ def apply(hand: Hand) -> None:
 
 def check(dialog: BatchDialog, *names: str) -> None:
     """Check the formats of these names alone."""
-    for row in map(dialog.list.item, range(dialog.list.count())):
-        row.setCheckState(Qt.CheckState.Checked if row.text() in names else Qt.CheckState.Unchecked)
+    for row in dialog.list.rows.values():
+        row.setCheckState(0, Qt.CheckState.Checked if row.text(0) in names else Qt.CheckState.Unchecked)
 
 
 def test_a_folder_gets_the_objects_as_by_the_command_line_in_the_checked_formats(

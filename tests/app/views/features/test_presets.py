@@ -9,7 +9,7 @@ from cpm_app.model.parameters.presets import Preset, built_in_presets, check_pre
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.views.features.run import RunControlFeature
 from cpm_app.views.panels import presets as dialogs
-from cpm_app.views.panels.presets import PresetButton
+from cpm_app.views.panels.presets import PresetBox
 from cpm_app.views.window.dialogs import QuestionDialog
 from hypothesis import given
 from hypothesis import strategies as st
@@ -89,22 +89,19 @@ def test_a_preset_is_saved_found_and_deleted_and_damaged_files_are_ignored(store
 
 
 @pytest.fixture
-def presets(window) -> PresetButton:
+def presets(window) -> PresetBox:
     return window.get_feature(RunControlFeature).presets
 
 
 def test_a_preset_is_chosen_with_the_keys_and_undone(window, hand, presets) -> None:
     assert presets.current.key == "shape"
     presets.setFocus()
-    hand.qtbot.keyClick(presets, Qt.Key.Key_Return)
-    hand.qtbot.keyClick(presets.popup, Qt.Key.Key_Down)
-    hand.qtbot.keyClick(presets.popup, Qt.Key.Key_Down)
-    hand.qtbot.keyClick(presets.popup, Qt.Key.Key_Return)
-    assert not presets.popup.isVisible()
+    hand.qtbot.keyClick(presets, Qt.Key.Key_Down)
     assert window.session.document.parameters == PRESETS["automatic"]
-    assert "Automatic" in presets.text()
+    assert "Automatic" in presets.currentText()
     window.panels["run"].parameters.rows["beta"].slider.setValue(3)
     assert presets.current is None
+    assert (presets.currentText(), presets.placeholderText()) == ("", "Custom parameters")
     window.session.undo()
     window.session.undo()
     assert presets.current.key == "shape"
@@ -113,11 +110,11 @@ def test_a_preset_is_chosen_with_the_keys_and_undone(window, hand, presets) -> N
 def test_own_presets_are_saved_and_deleted(window, presets, monkeypatch) -> None:
     window.panels["run"].parameters.rows["beta"].slider.setValue(3)
     mine = window.session.document.parameters
-    assert not presets.delete.isEnabled()
+    assert not window.actions_by_name["delete_preset"].isEnabled()
     monkeypatch.setattr(dialogs, "ask_for_text", lambda *_: "Soft")
-    presets.save.trigger()
+    window.actions_by_name["save_preset"].trigger()
     assert called(presets.store, "Soft").parameters == mine
     assert presets.current.name == "Soft"
     monkeypatch.setattr(QuestionDialog, "wait_for_answer", lambda _: "delete")
-    presets.delete.trigger()
+    window.actions_by_name["delete_preset"].trigger()
     assert called(presets.store, "Soft") is None

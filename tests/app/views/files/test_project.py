@@ -245,7 +245,7 @@ def test_the_next_image_is_run_ahead_and_its_proposals_are_those_of_a_run_in_the
     window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
     window.trigger_action("apply_to_all")
     window.session.run()
-    hand.wait(lambda: scene().objects.proposals and project._prepared is not None)
+    hand.wait(lambda: scene().objects.proposals and project._prepared)
     hand.key(*DONE)
     press(window, hand, DONE, "plate2.npy")
     hand.wait(lambda: scene().objects.proposals and scene().contours)
@@ -256,7 +256,6 @@ def test_the_next_image_is_run_ahead_and_its_proposals_are_those_of_a_run_in_the
     window.session.reset()
     window.session.run()
     hand.wait(lambda: window.session.status.phase == "finished" and window.session.idle)
-    window.workspace.followed_objects._search = None
     window.workspace.object_selection.search_again()
     hand.wait(lambda: scene().objects.proposals and scene().objects.proposals[0].selection is not ahead.selection)
     (here,) = scene().objects.proposals

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import pytest
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.views.layers.layer import AmountOption, ChoiceOption, SwitchOption
+from cpm_app.views.layers.layer import Option
 from cpm_app.views.main_window import make_window
 from PySide6.QtCore import Qt
 
 
-def another(option: AmountOption | ChoiceOption | SwitchOption, value: object) -> object:
+def another(option: Option, value: object) -> object:
     """Some other value of an option."""
-    if isinstance(option, ChoiceOption):
+    if option.choices:
         return next(way for way in reversed(option.choices) if way not in (value, "hand"))
-    if isinstance(option, SwitchOption):
+    if isinstance(option.default, bool):
         return not value
-    return option.low if value != option.low else option.high
+    low, high, _ = option.bounds
+    return low if value != low else high
 
 
 def test_every_option_of_every_layer_is_restored_from_its_view_state(window):

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from cpm_app.views.items.discs import Discs, MovingDiscs
+from cpm_app.views.items.discs import Discs
 from cpm_app.views.theme import theme
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
@@ -17,17 +17,14 @@ HEIGHT, WIDTH = 120, 200
 LARGEST = 6.0
 
 
-def picture(
-    position: np.ndarray, ratio: float, zoom: float, corner: np.ndarray, kind: type = MovingDiscs, **look
-) -> np.ndarray:
+def picture(position: np.ndarray, ratio: float, zoom: float, corner: np.ndarray) -> np.ndarray:
     """Discs alone, shape (rows, columns, blue green red alpha), on a screen with `ratio` pixels to a point.
 
     The image is enlarged by `zoom` to points of the screen, whose corner shows the position `corner`.
     """
-    discs = kind(theme.MOVING_COLOR, LARGEST, 0.0)
+    discs = Discs(theme.MOVING_COLOR, LARGEST, 0.0)
     discs.set_image_shape((1000, 1000))
-    discs.set_palette((theme.MOVING_COLOR, theme.RESTING_COLOR, theme.SELECTED_COLOR))
-    discs.show_discs(position, **look)
+    discs.show_discs(position)
     drawn = QImage(round(WIDTH * ratio), round(HEIGHT * ratio), QImage.Format.Format_ARGB32_Premultiplied)
     drawn.setDevicePixelRatio(ratio)
     drawn.fill(0)
@@ -66,15 +63,3 @@ def test_a_particle_has_the_right_size_and_color(qapp):
     assert QColor(int(red), int(green), int(blue)) == QColor(theme.MOVING_COLOR)
     covered = drawn[..., 3].sum() / 255.0
     assert math.pi * (0.5 * LARGEST) ** 2 < covered < math.pi * (0.5 * LARGEST + 0.6) ** 2
-
-
-@pytest.mark.parametrize("ratio", [1.0, 1.25, 2.0])
-@pytest.mark.parametrize("zoom", [0.3, 2.3])
-def test_the_compiled_loop_draws_what_the_painter_draws(qapp, ratio, zoom):
-    rng = np.random.default_rng(3)
-    corner = np.array((-20.0, -20.0))
-    position = rng.uniform(-5.0, 300.0, (400, 2))
-    look = {"color": rng.integers(0, 3, 400).astype(np.uint8), "opacity": rng.uniform(0.1, 1.0, 400)}
-    drawn, painted = (picture(position, ratio, zoom, corner, kind, **look) for kind in (MovingDiscs, Discs))
-    assert painted.any()
-    assert (abs(drawn.astype(int) - painted).max(axis=2) > 8).mean() < 0.002  # centers between two pixels

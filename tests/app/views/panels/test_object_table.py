@@ -202,11 +202,11 @@ def test_an_open_contour_is_accepted_as_an_open_object_with_a_length_and_no_area
 
 
 def test_the_table_does_not_move_under_the_pointer_when_a_row_is_selected(window, hand, panel, table) -> None:
-    hand.wait(lambda: not panel.name.isVisible())
+    hand.wait(lambda: not panel.figures.isVisible())
     place = table.mapTo(panel, QPoint(0, 0)), table.height()
     for row in (0, 1):
         choose(hand, table, row)
-        hand.wait(panel.name.isVisible)
+        hand.wait(panel.figures.isVisible)
         assert (table.mapTo(panel, QPoint(0, 0)), table.height()) == place
     at = cell(table, 1).center()
     hand.qtbot.mouseDClick(table.viewport(), LEFT, pos=at)
@@ -306,19 +306,21 @@ def test_keys_classify_and_remove_the_chosen_objects(window, hand, table) -> Non
     assert items(window) == (DOT,)
 
 
-def test_the_form_shows_names_and_draws_what_is_chosen(window, hand, panel, table) -> None:
-    assert not panel.name.isVisible()
+def test_the_panel_measures_and_names_what_is_chosen(window, hand, panel, table) -> None:
+    assert not panel.figures.isVisible()
     choose(hand, table, 0)
     hand.wait(lambda: panel.figures.text() == "object · Area 1,500 px² · Length 200 px · Confidence: 75 %")
-    assert panel.name.text() == "frame"
     assert sum(panel.histogram._counts) == 1500
-    hand.qtbot.mouseDClick(panel.name, LEFT)
-    hand.qtbot.keyClicks(panel.name, "femur")
-    hand.qtbot.keyClick(panel.name, KEY.Key_Return)
-    assert items(window)[0].name == "femur"
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_F2)
+    hand.wait(lambda: table.findChild(QLineEdit) is not None)
+    editor = table.findChild(QLineEdit)
+    hand.qtbot.keyClicks(editor, "femur")
+    hand.qtbot.keyClick(editor, KEY.Key_Return)
+    hand.wait(lambda: items(window)[0].name == "femur")
     assert undo_name(window) == "name frame"
     choose(hand, table, 1, CONTROL)
-    hand.wait(lambda: not panel.name.isVisible())
+    hand.wait(lambda: not panel.figures.isVisible())
     hand.qtbot.mouseClick(panel.buttons["merge_objects"], LEFT)
     (whole,) = items(window)
     assert (whole.number, whole.area) == (1, pytest.approx(1516.0, rel=0.005))
@@ -398,18 +400,6 @@ def test_the_layer_draws_objects_in_the_color_of_their_class_and_gaps_dashed(win
     assert picture.pixelColor(int(hole.x() * ratio), int(hole.y() * ratio)).name() != "#ff0000"
     canvas.layers["objects"].set_shown(False)
     assert canvas.grab().toImage().pixelColor(int(at.x() * ratio), int(at.y() * ratio)).name() != "#ff0000"
-
-
-def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, table, image_file) -> None:
-    field = window.get_feature(ObjectsFeature).panel.name
-    choose(hand, table, 0)
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_F2)
-    hand.wait(field.hasFocus)
-    hand.qtbot.keyClicks(field, "aorta")
-    before = window.session.store.image_generation
-    window.session.open_file(image_file)
-    hand.wait(lambda: window.session.store.image_generation != before and not field.isVisible())
 
 
 def test_the_radius_of_the_brush_is_in_the_panel_while_the_tool_that_mends_is_used(window, hand, panel) -> None:

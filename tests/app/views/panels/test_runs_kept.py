@@ -99,18 +99,14 @@ def test_a_run_from_another_start_is_a_run_beside_the_first(rested, hand) -> Non
 def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
     compared, wipe = rested.workspace.comparison, rested.get_feature(CompareFeature).wipe
-    menu = rested.panels["compare"].add.menu()
-    menu.aboutToShow.emit()
-    (branch,) = menu.actions()[0].menu().actions()
-    assert branch.text() == "Run 1"
-    branch.trigger()
-    row = max(compared.rows)
-    hand.wait(lambda: row in compared.agreements)
-    assert compared.agreements[row].hausdorff < 1.0
-    compared.select_row(row)
+    assert [row.title for row in compared.rows.values()] == ["Shown now", "Run 1", "Run 2"]
+    compared.select_row(1)
+    hand.wait(lambda: 1 in compared.agreements)
+    assert compared.agreements[1].hausdorff < 1.0
     hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
-    rested.panels["compare"].acts["use"].trigger()
-    wait_for_branch(rested, hand, 1)
+    navigation(rested).remove_branch(1)
+    hand.wait(lambda: wipe.mirror is None)
+    assert [row.title for row in compared.rows.values()] == ["Shown now", "Run 2"]
 
 
 def test_a_run_of_another_mode_is_left_and_found_again(rested, hand) -> None:

@@ -9,9 +9,10 @@ import pytest
 from cpm_app.model.preferences.table import TIMELINE_MEMORY
 from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE, Timeline
 from cpm_app.session.worker.commands import WorkerCommand
+from cpm_app.views import features
 from cpm_app.views.features.compare import CompareFeature
 from cpm_app.views.features.run import TimelineFeature
-from cpm_app.views.panels import timeline
+from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ElidedLabel
 from cpm_app.views.window.preferences import PreferencesDialog
 from PySide6.QtCore import Qt
@@ -128,8 +129,7 @@ def test_a_compared_branch_is_shown_at_its_end_or_at_the_same_step(rested, hand,
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
     go_on_otherwise(rested, hand)
     compared, wipe = rested.workspace.comparison, rested.get_feature(CompareFeature).wipe
-    compared.add_branch(1)
-    row = max(compared.rows)
+    row = 1
     compared.select_row(row)
     hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
     beyond = wipe.mirror.layers.particles
@@ -195,11 +195,10 @@ def test_of_many_requested_steps_only_the_last_is_computed(rested, hand, monkeyp
 def test_branches_are_named_and_deleted(rested, hand, fresh, monkeypatch) -> None:
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
-    panel = rested.panels["timeline"]
     assert not rested.actions_by_name["timeline_delete"].isEnabled()
     go_on_otherwise(rested, hand)
-    monkeypatch.setattr(timeline, "ask_for_text", lambda *_: "stiffer")
-    panel.rename.trigger()
+    monkeypatch.setattr(features.run, "ask_for_text", lambda *_: "stiffer")
+    rested.actions_by_name["timeline_rename"].trigger()
     hand.wait(lambda: [branch.name for branch in navigation(rested).timeline_state.branches] == ["Run 1", "stiffer"])
     fork = navigation(rested).timeline_state.branches[1].first
     rested.actions_by_name["timeline_delete"].trigger()
@@ -210,20 +209,21 @@ def test_branches_are_named_and_deleted(rested, hand, fresh, monkeypatch) -> Non
 
 
 def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand, fresh) -> None:
-    panel, first = rested.panels["timeline"], rested.session.document.parameters
+    first = rested.session.document.parameters
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
-    assert not panel.parameters.isVisible()
+    set_again = rested.panels["timeline"].findChild(ActionButton, "timeline_parameters")
+    assert not set_again.isEnabled()
     go_on_otherwise(rested, hand)
     scrub(rested, hand, 1, 50)
     step = navigation(rested).current_step[1]
     wait_for_step(rested, hand, step)
-    assert panel.parameters.isVisible()
+    assert set_again.isEnabled()
     assert "other values than the sliders show" in rested.canvas_area.hint.text()
-    hand.qtbot.mouseClick(panel.parameters, LEFT)
+    hand.qtbot.mouseClick(set_again, LEFT)
     assert rested.session.document.parameters == first
     assert "other values" not in rested.canvas_area.hint.text()
-    assert not panel.parameters.isVisible()
+    assert not set_again.isEnabled()
     assert "parameters of step" in rested.actions_by_name["undo"].text()
     hand.canvas.setFocus()
     hand.key(KEY.Key_Period)
@@ -254,6 +254,7 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
     wait_for_step(rested, hand, fresh[-1].step - 1)
 
 
+@pytest.mark.own_window
 def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
     timeline_of(rested).set_budget(1)
     for step in (40, 3, 57, 56):

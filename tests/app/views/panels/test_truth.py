@@ -11,7 +11,7 @@ import pytest
 from cpm_app.model.display.differences import find_boundary_differences
 from cpm_app.model.document.imported import add_objects, objects_from_contours
 from cpm_app.session.features.background import LatestOnlyWorker
-from cpm_app.session.features.comparison import CURRENT_KEY, ComparisonRow
+from cpm_app.session.features.comparison import CURRENT_KEY, TRUTH_KEY, ComparisonRow
 from cpm_app.views.features.compare import CompareFeature
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
@@ -52,15 +52,13 @@ def compared(ready: MainWindow, hand: Hand, mask_file: Path, monkeypatch: pytest
     hand.wait(lambda: ready.session.idle)
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(mask_file), ""))
     hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
-    menu = ready.get_feature(CompareFeature).panel.add.menu()
-    menu.aboutToShow.emit()
-    menu.actions()[-1].trigger()
+    ready.get_feature(CompareFeature).panel.load.click()
     hand.wait(lambda: CURRENT_KEY in ready.workspace.comparison.agreements)
     return ready
 
 
 def truth_row(window: MainWindow) -> ComparisonRow:
-    return next(row for row in window.workspace.comparison.rows.values() if row.truth is not None)
+    return window.workspace.comparison.rows[TRUTH_KEY]
 
 
 def figure(window: MainWindow, name: str) -> float:
@@ -75,7 +73,7 @@ def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) 
     assert figure(compared, "dice") == pytest.approx(common / area, abs=0.02)
     assert figure(compared, "jaccard") == pytest.approx(common / (2 * area - common), abs=0.03)
     assert figure(compared, "largest") == pytest.approx(SHIFT, abs=0.8)
-    assert compared.panels["compare"].table.column_texts("name") == ["Shown now", "mask.npy"]
+    assert compared.panels["compare"].table.column_texts("name") == ["Shown now", "Run 1", "mask.npy"]
     assert compared.panels["compare"].isVisible()
 
 
@@ -91,7 +89,7 @@ def test_differences_are_drawn_and_vanish_with_a_larger_tolerance(compared, hand
     hand.wait(lambda: layer.counts == (1, 0, 0))
     assert figure(compared, "precision") == 1.0
     assert figure(compared, "recall") == 1.0
-    assert not panel.acts["next"].isEnabled()
+    assert not compared.actions_by_name["next_difference"].isEnabled()
 
 
 @pytest.mark.own_window
@@ -116,31 +114,16 @@ def test_objects_are_compared_where_there_are_any(compared, hand) -> None:
     hand.wait(lambda: figure(compared, "dice") == before)
 
 
-def test_true_objects_that_touch_are_taken_one_by_one(compared, hand, tmp_path) -> None:
-    labels = np.zeros((64, 64), np.uint8)
-    labels[10:30, 10:30], labels[10:30, 30:50], labels[40:50, 0:20] = 1, 2, 3
-    np.save(tmp_path / "labels.npy", labels)
+def test_without_the_truth_a_run_is_compared_with_what_is_shown_now(compared, hand) -> None:
     comparison = compared.workspace.comparison
-    comparison.load_truth_file(tmp_path / "labels.npy")
-    hand.wait(lambda: truth_row(compared).title == "labels.npy")
-    assert truth_row(compared).count == 3
-    comparison.use_row(truth_row(compared).key)
-    hand.wait(lambda: len(compared.session.document.objects.items) == 3)
-    for item in compared.session.document.objects.items:
-        np.testing.assert_array_equal(item.mask((64, 64)), labels == item.number)
-
-
-def test_any_row_can_be_the_reference(compared, hand) -> None:
-    panel, comparison = compared.panels["compare"], compared.workspace.comparison
-    panel.keep.click()
-    comparison.select_row(max(comparison.rows))
-    panel.acts["refer"].trigger()
-    hand.wait(lambda: comparison.agreements.keys() == {CURRENT_KEY, truth_row(compared).key})
-    assert figure(compared, "dice") == 1.0
-    assert comparison.agreements[truth_row(compared).key].dice < 0.8
-    panel.acts["remove"].trigger()
+    run = compared.workspace.navigation.branches[0].identity
+    comparison.select_row(run)
+    hand.wait(lambda: comparison.agreements.keys() == {CURRENT_KEY, run})
+    assert comparison.agreements[run].dice < 0.8
+    comparison.remove_truth()
     assert comparison.reference == CURRENT_KEY
-    hand.wait(lambda: comparison.agreements.keys() == {truth_row(compared).key})
+    hand.wait(lambda: comparison.agreements.keys() == {run})
+    assert comparison.agreements[run].dice == 1.0
     assert compared.session.scene.truth is None
 
 

@@ -13,7 +13,7 @@ from cpm_app.views.features.objects import ObjectsFeature
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QMouseEvent
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QLineEdit
 
 from cpm_core.contours.contour import Contour
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
@@ -106,6 +106,13 @@ def test_escape_during_a_drag_selects_what_was_selected_before(found, hand) -> N
     assert selected(found) == {(20, 20)}
 
 
+def name_field(window: MainWindow, hand) -> QLineEdit:
+    """The field in which the selected object is named, in the table."""
+    table = window.get_feature(ObjectsFeature).panel.table
+    hand.wait(lambda: table.findChild(QLineEdit) is not None and table.findChild(QLineEdit).hasFocus())
+    return table.findChild(QLineEdit)
+
+
 def test_a_click_on_a_contour_tells_its_length_and_enter_makes_an_object_that_f2_names(found, hand) -> None:
     drag(hand, (20.0, 71.0))
     assert selected(found) == {(20, 60)}
@@ -113,12 +120,11 @@ def test_a_click_on_a_contour_tells_its_length_and_enter_makes_an_object_that_f2
     hand.key(KEY.Key_Return)
     assert found.session.history.undo_name == "accept contour"
     hand.key(KEY.Key_F2)
-    field = found.get_feature(ObjectsFeature).panel.name
-    hand.wait(field.hasFocus)
+    field = name_field(found, hand)
     hand.qtbot.keyClicks(field, "aorta")
     hand.qtbot.keyClick(field, KEY.Key_Return)
     (item,) = found.session.document.objects.items
-    assert item.name == "aorta"
+    hand.wait(lambda: found.session.document.objects.items[0].name == "aorta")
     drag(hand, (20.0, 71.0))
     assert (chosen(found), selected(found)) == ({item.number}, set()), "the contour around it is that of the object"
 
@@ -168,9 +174,7 @@ def test_a_double_click_names_the_object_under_the_pointer(found, hand) -> None:
     add_objects(found, disk_object(1, (20, 60)))
     hand.double_click(20.0, 60.0)
     hand.release(20.0, 60.0)  # which QTest leaves out
-    field = found.get_feature(ObjectsFeature).panel.name
-    hand.wait(field.hasFocus)
-    hand.qtbot.keyClick(field, KEY.Key_Escape)
+    hand.qtbot.keyClick(name_field(found, hand), KEY.Key_Escape)
 
 
 def test_other_contours_take_the_place_of_the_selected_ones(found, hand) -> None:

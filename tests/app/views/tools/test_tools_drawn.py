@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.views.tools import TOOLS
-from cpm_app.views.tools.tool import AUTO_GROUP, CHARGE_GROUP, CIRCLE_GROUP, TOOL_GROUPS
+from cpm_app.views.tools import AUTO_GROUP, TOOLS, TOOLS_BY_GROUP
 from cpm_app.views.window.bars import ToolPalette
 from PySide6.QtCore import QPoint, QPointF, Qt, QTimer
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent
@@ -205,8 +204,8 @@ def test_every_tool_has_a_key_of_its_own_a_tip_and_an_icon(window) -> None:
 
 def test_nine_buttons_with_words_fit_and_open_all_tools_of_their_group(window, hand) -> None:
     palette = window.findChild(ToolPalette)
-    assert [button.menu().actions()[0].iconText() for button in palette.buttons.values()] == list(TOOL_GROUPS)
-    assert len(TOOL_GROUPS) == 9
+    assert [button.menu().actions()[0].iconText() for button in palette.buttons.values()] == list(TOOLS_BY_GROUP)
+    assert len(TOOLS_BY_GROUP) == 9
     assert palette.width() <= 92
     buttons = palette.buttons.values()
     assert max(button.geometry().bottom() for button in buttons) - min(button.y() for button in buttons) <= 560
@@ -236,19 +235,19 @@ def chosen_from_flyout(hand, button, name: str, place: QPoint, with_button: Qt.M
 
 def test_a_button_has_the_tool_of_its_group_that_was_used_last(window, hand, qtbot) -> None:
     buttons = window.findChild(ToolPalette).buttons
-    circles, starts = buttons[CIRCLE_GROUP], buttons[AUTO_GROUP]
+    circles, starts = buttons["Circle"], buttons[AUTO_GROUP]
     chosen_from_flyout(hand, circles, "Polygon", QPoint(circles.width() - 5, 20), Qt.MouseButton.LeftButton)
     assert (circles.text(), hand.canvas.dispatcher.tool.name, circles.isChecked()) == ("Polygon", "polygon", True)
     hand.canvas.setFocus()
     hand.key(KEY.Key_A)
-    assert not circles.isChecked() and buttons[CHARGE_GROUP].isChecked()
+    assert not circles.isChecked() and buttons["Charge"].isChecked()
     qtbot.mouseClick(circles, Qt.MouseButton.LeftButton, pos=QPoint(20, 20))
     assert hand.canvas.dispatcher.tool.name == "polygon"
     hand.canvas.setFocus()
     hand.key(KEY.Key_L)
     assert circles.text() == "Ellipse"
     chosen_from_flyout(hand, circles, "Circle", QPoint(20, 20), Qt.MouseButton.RightButton)
-    assert (circles.text(), hand.canvas.dispatcher.tool.name) == (CIRCLE_GROUP, "circle")
+    assert (circles.text(), hand.canvas.dispatcher.tool.name) == ("Circle", "circle")
     chosen_from_flyout(hand, starts, "Centers", QPoint(starts.width() - 5, 20), Qt.MouseButton.LeftButton)
     assert starts.text() == "Centers" and window.session.document.shapes == (Everywhere("centers"),)
     qtbot.mouseClick(starts, Qt.MouseButton.LeftButton, pos=QPoint(20, 20))

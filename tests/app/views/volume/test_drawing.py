@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SlicesFeature
-from cpm_app.views.tools.tool import CIRCLE_GROUP, MEND_GROUP
 from cpm_app.views.window.bars import ToolPalette
 from PySide6.QtCore import Qt
 
@@ -157,8 +156,8 @@ def test_limits_and_charges_act_on_the_run_and_come_back_with_the_session(volume
 def test_the_palette_names_tools_as_they_are_called_in_volumes(volume) -> None:
     buttons = volume.findChild(ToolPalette).buttons
     assert all(button.isVisible() for button in buttons.values())
-    assert [action.text() for action in buttons[MEND_GROUP].menu().actions() if action.isVisible()] == [
+    assert [action.text() for action in buttons["Mend"].menu().actions() if action.isVisible()] == [
         "&Brush",
         "Spli&t",
     ]
-    assert (buttons[MEND_GROUP].text(), buttons[CIRCLE_GROUP].text()) == ("Brush", "Sphere")
+    assert (buttons["Mend"].text(), buttons["Circle"].text()) == ("Brush", "Sphere")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import tifffile
-from cpm_app.model.volume.shape_sections import RegionSection
+from cpm_app.model.volume.shape_sections import Cut
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
@@ -228,10 +228,9 @@ def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, 
     inside = found.session.document.regions.voxel_mask(found.session.image.shape)
     assert inside.sum() == pytest.approx(BALL, rel=0.1)
     found.workspace.slices.go_through(ONE)
-    shown = [
-        shape for shape in found.canvas_area.canvas.drawn_scene.document.shapes if isinstance(shape, RegionSection)
-    ]
-    assert len(shown) == 1
+    cuts = [cut for cut in found.canvas_area.canvas.drawn_scene.document.shapes if isinstance(cut, Cut)]
+    (shown,) = (cut for cut in cuts if cut.shape is region)
+    assert len(shown.outline)
     path, file = tmp_path / "region.cpm", found.get_feature(OpenSaveFeature).document_file
     assert file.save_and_wait(path)
     assert load_session(path).shapes[-1] == region

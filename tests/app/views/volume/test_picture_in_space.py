@@ -10,7 +10,7 @@ from cpm_app.model.display.display_image import IntensityWindow
 from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import EMPTY_DEPTH, Picture, draw_balls, draw_lines
 from cpm_app.model.space.triangles import CutPlane, SurfaceMesh, draw_mesh
-from cpm_app.model.space.view_in_space import ShownParticles, ShownParts, SpaceStyle, ViewInSpace
+from cpm_app.model.space.view_in_space import ShownParticles, ShownParts, ViewInSpace
 from cpm_app.model.space.voxels import ShadedVolume, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slice, Slices
 from cpm_app.views.canvas.flow import start_positions
@@ -189,12 +189,12 @@ def test_a_line_has_a_pixel_at_every_step_and_none_beside_it(ends) -> None:
 def test_a_surface_that_is_not_opaque_lets_the_particles_behind_it_be_seen() -> None:
     mesh = SurfaceMesh(ball(8.0, 10.0, 48))
     inside = ShownParticles(np.array([[10.0, 10.0, 10.0]]), np.array([[0, 0, 250]], np.uint8))
-    look, camera = SpaceStyle(radius=3.0), Camera(np.full(3, 10.0), front().axes, 1.0)
+    camera = Camera(np.full(3, 10.0), front().axes, 1.0)
     blue = {}
     for opacity in (0.0, 0.5, 1.0):
         shown = ShownParts(opacity=opacity, box=False)
         view = of_shape((21, 21, 21), particles=inside, mesh=mesh, shown=shown)
-        blue[opacity] = view.render_picture(camera, (41, 41), look).colors[20, 20].astype(float)
+        blue[opacity] = view.render_picture(camera, (41, 41)).colors[20, 20].astype(float)
     assert blue[0.0] == pytest.approx([0.0, 0.0, 250.0], abs=2.0)
     assert blue[0.5] == pytest.approx(0.5 * (blue[0.0] + blue[1.0]), abs=1.5)
 

@@ -45,10 +45,7 @@ def compared(volume: MainWindow, hand: Hand, labels_file: Path, monkeypatch: pyt
     hand.wait_for_phase("finished")
     hand.wait(lambda: volume.session.idle)
     hand.key(KEY.Key_D, CONTROL)
-    menu = volume.panels["compare"].add.menu()
-    menu.aboutToShow.emit()
-    assert [action.text().replace("&", "") for action in menu.actions()] == ["Ground truth…"]
-    menu.actions()[-1].trigger()
+    volume.panels["compare"].load.click()
     hand.wait(lambda: CURRENT_KEY in volume.workspace.comparison.agreements)
     return volume
 
@@ -62,18 +59,18 @@ def test_overlap_and_distances_are_those_of_geometry(compared) -> None:
     assert agreed.hausdorff > 10.0  # the ball in the corner is missed
     assert (agreed.objects.found, agreed.objects.missed) == (1, 1)
     assert panel.summary.text().endswith(" voxels.")
-    assert panel.table.column_texts("name") == ["Shown now", "labels.npy"]
+    assert panel.table.column_texts("name") == ["Shown now", "Run 1", "labels.npy"]
     assert not panel.holes.isVisible()
 
 
-def test_a_kept_surface_can_be_the_reference(compared, hand) -> None:
+def test_a_surface_is_compared_with_another_one(compared, hand) -> None:
     comparison = compared.workspace.comparison
-    truth = comparison.reference
-    comparison.keep_current()
-    comparison.set_reference(max(comparison.rows))
-    hand.wait(lambda: comparison.agreements.keys() == {CURRENT_KEY, truth})
-    assert comparison.agreements[CURRENT_KEY].dice == 1.0
-    assert comparison.agreements[truth].objects.extra == 1
+    run = compared.workspace.navigation.branches[0].identity
+    comparison.select_row(run)
+    hand.wait(lambda: comparison.agreements.keys() == {CURRENT_KEY, run})
+    comparison.remove_truth()
+    hand.wait(lambda: comparison.agreements.keys() == {run})
+    assert comparison.agreements[run].dice == 1.0
 
 
 def test_each_slice_shows_the_truth_and_where_the_surface_differs(compared, hand) -> None:

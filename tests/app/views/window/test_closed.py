@@ -81,7 +81,6 @@ def test_a_closed_dialog_menu_or_view_is_not_kept(rested, hand) -> None:
 
 def test_a_divider_that_is_gone_follows_no_layer(rested, hand) -> None:
     compared = rested.workspace.comparison
-    compared.keep_current()
     compared.select_row(max(compared.rows))
     compared.select_row(CURRENT_KEY)
     existing()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.items.item import image_rectangle
 from cpm_app.views.main_window import make_window
+from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.window.bars import ToolPalette
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QPoint, Qt
@@ -71,7 +72,7 @@ def test_in_a_window_of_800_by_500_everything_can_be_reached(ready, hand) -> Non
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     assert ready.panels["timeline"].view.width() >= 120
-    assert seen_whole(ready.panels["timeline"].branch)
+    assert all(map(seen_whole, ready.panels["timeline"].findChildren(ActionButton)))
     palette = ready.findChild(ToolPalette)
     (tools,) = palette.findChildren(QScrollArea)
     for button in palette.buttons.values():

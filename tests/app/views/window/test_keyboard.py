@@ -65,7 +65,7 @@ def test_space_runs_from_every_field_that_is_no_text(board, hand, cases) -> None
         hand.key(KEY.Key_Space)
         assert board.session.status.phase != "ready"
         assert board.session.document.parameters == parameters
-        assert not board.panels["run"].parameters.presets.popup.isVisible()
+        assert not board.panels["run"].parameters.presets.view().isVisible()
         board.session.reset()
         hand.wait_for_phase("ready")
 

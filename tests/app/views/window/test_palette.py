@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from cpm_app.model.state.resolve import INITIAL_PACE_INDEX
-from cpm_app.views.tools.tool import AUTO_GROUP, CIRCLE_GROUP, STROKE_GROUP, TOOL_GROUPS
+from cpm_app.views.tools import AUTO_GROUP, TOOLS_BY_GROUP
 from cpm_app.views.window.bars import ToolPalette
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
@@ -28,14 +28,14 @@ def test_only_the_tool_in_use_looks_chosen(window, hand) -> None:
     hand.key(KEY.Key_G, CONTROL)
     hand.wait(lambda: window.session.idle)
     assert window.actions_by_name["start_grid"].isChecked()
-    plain, chosen = frame_color(buttons[STROKE_GROUP]), frame_color(buttons[CIRCLE_GROUP])
+    plain, chosen = frame_color(buttons["Stroke"]), frame_color(buttons["Circle"])
     assert chosen != plain
     assert frame_color(buttons[AUTO_GROUP]) == plain
 
 
 def test_no_word_of_the_palette_is_cut(window) -> None:
     for group, button in window.findChild(ToolPalette).buttons.items():
-        assert button.width() >= max(map(button.fontMetrics().horizontalAdvance, TOOL_GROUPS)), group
+        assert button.width() >= max(map(button.fontMetrics().horizontalAdvance, TOOLS_BY_GROUP)), group
 
 
 def test_starts_everywhere_do_not_cover_what_is_clicked(window, hand) -> None:

@@ -19,6 +19,7 @@ from cpm_app.views.features.files import RecoveryFeature
 from cpm_app.views.features.help import HelpFeature, PreferencesFeature
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.theme import get_canvas_style
+from cpm_app.views.window.preferences import ShortcutsPage
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QColor, QKeySequence
 from PySide6.QtWidgets import QPushButton
@@ -62,7 +63,7 @@ def test_the_dialog_fits_a_small_screen_and_every_page_opens(dialog) -> None:
     for name in PAGE_TITLES:
         dialog.turn_to(name)
         shown = [row for row in dialog.rows.values() if row.isVisible()]
-        assert bool(shown) != dialog.get_page("shortcuts").isVisible()
+        assert bool(shown) != dialog.findChild(ShortcutsPage).isVisible()
 
 
 def test_lines_of_shapes_get_wider_at_once(window, dialog, hand) -> None:
@@ -109,9 +110,9 @@ def test_without_autosave_there_is_no_journal(ready, hand) -> None:
 
 def press_as_new_key(hand, dialog, action: str, key: Qt.Key, modifier=Qt.KeyboardModifier.NoModifier) -> None:
     dialog.turn_to("shortcuts")
-    dialog.get_page("shortcuts").select_action(action)
-    dialog.get_page("shortcuts").keys.setFocus()
-    hand.qtbot.keyClick(dialog.get_page("shortcuts").keys, key, modifier)
+    dialog.findChild(ShortcutsPage).list.setCurrentItem(dialog.findChild(ShortcutsPage).rows[action])
+    dialog.findChild(ShortcutsPage).keys.setFocus()
+    hand.qtbot.keyClick(dialog.findChild(ShortcutsPage).keys, key, modifier)
 
 
 def test_a_new_key_acts_and_is_shown_everywhere(ready, hand) -> None:
@@ -131,7 +132,7 @@ def test_a_new_key_acts_and_is_shown_everywhere(ready, hand) -> None:
 
 
 def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, hand) -> None:
-    page = dialog.get_page("shortcuts")
+    page = dialog.findChild(ShortcutsPage)
     press_as_new_key(hand, dialog, "run", KEY.Key_O, CTRL)
     assert "Open" in page.message.text()
     assert window.actions_by_name["run"].shortcut() == QKeySequence("Space")
@@ -145,12 +146,12 @@ def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, h
 
 
 def test_panels_have_keys_too_and_actions_are_found_by_typing(window, dialog, hand) -> None:
-    page = dialog.get_page("shortcuts")
+    page = dialog.findChild(ShortcutsPage)
     press_as_new_key(hand, dialog, "panel_timeline", KEY.Key_F9, CTRL | SHIFT)
     assert window.findChild(QAction, "panel_timeline").shortcut() == QKeySequence("Ctrl+Shift+F9")
     page.search.setFocus()
     hand.qtbot.keyClicks(page.search, "timeline")
-    seen = [name for name, item in page._items.items() if not item.isHidden()]
+    seen = [name for name, item in page.rows.items() if not item.isHidden()]
     assert "panel_timeline" in seen
     assert "open" not in seen
 

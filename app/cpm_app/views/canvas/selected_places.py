@@ -1,4 +1,4 @@
-"""Selection of the item at a place of the canvas, and positions of the selected items."""
+"""Positions of the selected items, and the rectangle around them."""
 
 from __future__ import annotations
 
@@ -6,48 +6,11 @@ import numpy as np
 from PySide6.QtCore import QRectF
 
 from cpm_app.model.volume.shape_sections import build_shape_wires
-from cpm_app.model.volume.slices import Slice
-from cpm_app.session.features.slices import SliceNavigation, hit_shape
+from cpm_app.session.features.slices import SliceNavigation
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.canvas.image_view import ImageView
-from cpm_core.numerics import Array, Place
-from cpm_core.shapes import Charge, relative_sides
-
-
-class ItemPicker:
-    """Finds and selects the item at a place: lines before areas, front to back."""
-
-    def __init__(self, workspace: Workspace) -> None:
-        self._session = workspace.session
-        self._list = workspace.object_list
-        self._selection = workspace.object_selection
-
-    @property
-    def selected_kind(self) -> str:
-        """Kind of the selection: "charge", "shape", "object" or "image"."""
-        shapes, selected = self._session.document.shapes, self._session.selected_shape
-        if selected is not None and selected < len(shapes):
-            return "charge" if isinstance(shapes[selected], Charge) else "shape"
-        return "object" if self._list.selected_keys or self._selection.selecting else "image"
-
-    def select_item_at(self, at: Place, reach: float, here: Slice | None = None) -> str:
-        """Select the item at a place unless it already is, and return its kind; `reach` is in px of the image.
-
-        In a volume, `here` is the slice under the pointer.
-        """
-        if self._selection.selecting:
-            return "object"
-        shapes = self._session.document.shapes
-        found = hit_shape(self._session.scene, at, reach, here)
-        near = found is not None and (found.part == "handle" or shapes[found.index].distance_to(at) <= reach)
-        key = None if near else self._list.item_at(at, reach)
-        if key is None:
-            self._session.select_shape(None if found is None else found.index)
-            return "image" if found is None else self.selected_kind
-        self._session.select_shape(None)
-        if key not in self._list.selected_keys:
-            self._list.select_items((key,))
-        return "object"
+from cpm_core.numerics import Array
+from cpm_core.shapes import relative_sides
 
 
 def selected_places(workspace: Workspace) -> list[Array]:
