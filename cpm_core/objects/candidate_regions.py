@@ -35,6 +35,9 @@ _MIN_WHOLE_AREA = 1.2
 _PART_SHARE = 0.7
 """Share of a part that lies in it."""
 
+_MIN_JOINED_SHARE = 0.25
+"""Least share of a region that an enclosed one covers which was joined to others."""
+
 _SAME_REGION_IOU = 0.9
 """Overlap (intersection over union) above which two regions are the same."""
 
@@ -121,6 +124,10 @@ class BoundedRegion(NamedTuple):
         """Return whether it lies in another that is larger."""
         return other.area >= _MIN_WHOLE_AREA * self.area and self.measure_overlap(other) >= _PART_SHARE * self.area
 
+    def is_joined_from(self, other: BoundedRegion) -> bool:
+        """Return whether another, and not merely a small one, lies in it."""
+        return other.area >= _MIN_JOINED_SHARE * self.area and other.is_part_of(self)
+
     def is_brighter_outside(self, values: Array) -> bool:
         """Return whether an image of gray levels, shape (H, W), gets brighter outward across its boundary."""
         inner, outer = self.measure_rim_levels(values)
@@ -185,7 +192,9 @@ class CandidateRegions:
         pixels = math.prod(whole)
         outer = [one for one in enclosed if one.area <= _MAX_WHOLE_SHARE * pixels]
         basins = _fill_masks(parts.merged_masks, partition)
-        merged = (one for one in basins if not any(one.is_part_of(other) for other in outer))
+        merged = (
+            one for one in basins if not any(one.is_part_of(other) or one.is_joined_from(other) for other in outer)
+        )
         for region in itertools.chain(bounded, merged):
             found._add_region(region, _MAX_REGION_SHARE * pixels)
         return found

@@ -45,6 +45,12 @@ _MAX_DEFICIT = 0.3
 _MIN_STRENGTH = 1e-4
 """Least strength of a boundary that others are divided by, in differences between white and black [1 / px]."""
 
+_BORDER_SHARE = 6
+"""Place of the share of the boundary that is the border of the image among the features."""
+
+_MAX_BORDER_SHARE = 0.55
+"""Largest such share: what an edge bounds less than that, as one half of an image, is not seen to be an object."""
+
 _MAX_INNER = 3.0
 """Strength of the boundaries inside, in that of the one around, above which a larger one makes no difference."""
 
@@ -159,7 +165,9 @@ class MergedBasins:
         None is much less likely than what it merges to, or than what was merged to it.
         """
         *weights, offset = _load_weights()
-        likely = self.find_likely(self.encode_nodes(values, gray_span) @ np.array(weights) + offset)
+        features = self.encode_nodes(values, gray_span)
+        likely = self.find_likely(features @ np.array(weights) + offset)
+        likely = likely[features[likely, _BORDER_SHARE] <= _MAX_BORDER_SHARE]
         first, end = self._order_basins()
         place, boxes = first[self.labels], self._find_boxes()
         for node in likely.tolist():
