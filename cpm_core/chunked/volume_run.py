@@ -19,8 +19,8 @@ from cpm_core.chunked.image_statistics import (
     measure_strengths,
 )
 from cpm_core.chunked.run import STATISTICS_FILE, Compute, map_chunks, sort_results
+from cpm_core.field.edge_map import volume_edge_map
 from cpm_core.field.scale_field import WEAKEST_EDGE
-from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import (
     BACKGROUND_STRIDE,
     SmoothedVolume,
@@ -136,7 +136,8 @@ def _survey_volume(task: ChunkedTask, compute: Compute, side: int) -> tuple[Chun
             looked[sigma] = sort_results(compute(work, _build_volume_grid(task, sigma, side).chunks, "edges"))
         background = noise_strength(np.concatenate([one.samples[scale] for one in looked[sigma]]))
         strongest = max(one.strongest[scale] for one in looked[sigma])
-        return SmoothedVolume(sigma, np.empty((0, 0, 0), np.float32), strongest, background)
+        nothing = np.empty((0, 0, 0), np.float32)
+        return SmoothedVolume(sigma, nothing, nothing, strongest, background)
 
     smoothing = parameters.smoothing
     sigma = automatic_edges(measure_edges).sigma if smoothing == "auto" else float(smoothing)
@@ -167,7 +168,7 @@ def _measure_chunk_edges(task: ChunkedTask, tone: GrayScaling, chunk: Chunk) -> 
         chunk.padded,
         chunk.core,
         BACKGROUND_STRIDE * -(-find_sample_spacing(source.shape) // BACKGROUND_STRIDE),
-        lambda values: VolumeSlopes.from_volume(smooth_volume(values, sigmas), pitch).edge_strengths(),
+        lambda values: volume_edge_map(smooth_volume(values, sigmas), pitch),
     )
 
 
@@ -213,7 +214,7 @@ def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[Array, Array]:
     points = state.position[state.particles.on_surface]
     if not len(points):
         return _NO_PARTICLES, np.empty(0)
-    levels, normals = find_local_thresholds(field.smoothed, field.edges, points, volume.voxel_sides, field.smoothing)
+    levels, normals = find_local_thresholds(field.smoothed, field.edge_map, points, volume.voxel_sides, field.smoothing)
     places = levels.points + [side.start for side in chunk.padded]
     particles = np.column_stack([places, levels.thresholds, levels.slopes, normals])
     return particles, neighbor_distances(levels.points * volume.voxel_sides)

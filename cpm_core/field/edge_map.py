@@ -17,7 +17,8 @@ from cpm_core.numerics.grids import Window, expand_window, gaussian_radius, rela
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Mask, Numbers, Single
+from cpm_core.numerics.vectors import Vector
 
 _BACKGROUND_DEVIATIONS = 4.0
 """Deviations of a component of the gradient that the background rarely exceeds."""
@@ -43,6 +44,9 @@ _WEAK_BACKGROUND = 0.25
 
 NO_SMOOTHING = 0.01
 """Standard deviation up to which a Gaussian has no weight next to its pixel in double precision [px]."""
+
+_SLAB_PLANES = 8
+"""Number of planes of a volume that are processed together."""
 
 _MIN_DIFFERENCE_PIXELS = 2
 """Number of pixels along an axis needed for a difference of two."""
@@ -78,7 +82,7 @@ def gradient_in_window(values: Array, smoothing: float, window: Window) -> Array
     return smoothed_gradient(values[outer], smoothing, np.float32)[(slice(None), *relative_window(window, outer))]
 
 
-def _central_differences(values: Array, out: Array) -> Array:
+def _central_differences(values: NDArray[np.floating], out: Numbers) -> Numbers:
     r"""Write the central differences of values, shape (\*shape), along each axis, and of two values at the border."""
     for axis, part in enumerate(out):
         line, slope = np.moveaxis(values, axis, 0), np.moveaxis(part, axis, 0)
@@ -92,6 +96,25 @@ def _central_differences(values: Array, out: Array) -> Array:
 def vector_magnitudes(vectors: NDArray[np.floating]) -> Array:
     r"""Return the length of each vector of a field, shape (D, \*shape), as shape (\*shape)."""
     return np.sqrt(np.einsum("i...,i...->...", vectors, vectors))
+
+
+def volume_edge_map(smoothed: Single, pitch: Vector, inside: Mask | None = None) -> Single:
+    """Return the edge map of a smoothed volume, shape (P, R, C), with voxels of these sides [gray levels / unit].
+
+    Outside `inside` it is zero.
+    """
+    out = np.empty(smoothed.shape, np.float32)
+    sides = np.array(pitch, np.float32).reshape(3, 1, 1, 1)
+
+    def write_planes(first: int, end: int) -> None:
+        slab, at = smoothed[max(first - 1, 0) : end + 1], min(first, 1)
+        slopes = _central_differences(slab, np.empty((3, *slab.shape), np.float32)) / sides
+        out[first:end] = vector_magnitudes(slopes)[at : at + end - first]
+
+    run_in_bands(write_planes, len(out), _SLAB_PLANES)
+    if inside is not None:
+        out *= inside
+    return out
 
 
 def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Array:

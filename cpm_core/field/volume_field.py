@@ -11,10 +11,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cpm_core.field.convolution import block_means, convolved_field, convolved_potential
-from cpm_core.field.edge_map import NO_SMOOTHING
+from cpm_core.field.edge_map import NO_SMOOTHING, volume_edge_map
 from cpm_core.field.scale_field import MAX_BACKGROUND, WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
-from cpm_core.field.volume_edges import PLANES_PER_THREAD, EdgeBricks, VolumeSlopes
 from cpm_core.field.volume_surface import Ridges, find_ridges, force_on_voxels
 from cpm_core.image.pyramid import shape_at_scale, to_image
 from cpm_core.image.volume_regions import VolumeRegions, Walls
@@ -51,6 +50,9 @@ _USABLE_BACKGROUND = 0.25
 _MIN_NORMAL_COSINE = 0.7
 """Least scalar product of the normals of two voxels of the edge map that belong to one surface."""
 
+PLANES_PER_THREAD = 8
+"""Number of planes that are worth a thread."""
+
 BACKGROUND_STRIDE = 3
 """The background is measured at every third voxel along each axis."""
 
@@ -63,10 +65,11 @@ class FarField(NamedTuple):
 
 
 class SmoothedVolume(NamedTuple):
-    """Sigma of the smoothing, the smoothed volume, its largest edge strength, and the background's."""
+    """Sigma of the smoothing, the smoothed volume, its edge map, the largest edge strength, and the background's."""
 
     sigma: float
     smoothed: Single
+    edge_map: Single
     strongest: float
     background: float
 
@@ -77,8 +80,9 @@ class VolumeField:
 
     Attributes
     ----------
-    slopes : VolumeSlopes
-        The smoothed volume, from which edge strengths are computed.
+    smoothed, edge_map : ndarray of float32, shape (P, R, C)
+        The smoothed volume, whose slope on an edge is normal to it, and the edge strength f of every voxel [gray
+        levels / unit], zero outside the regions of interest.
     pitch : tuple of float
         Sides of a voxel [units].
     strongest : float
@@ -97,7 +101,8 @@ class VolumeField:
         Walls that no particle crosses.
     """
 
-    slopes: VolumeSlopes
+    smoothed: Single
+    edge_map: Single
     pitch: Vector
     strongest: float
     floor: float
@@ -108,24 +113,9 @@ class VolumeField:
     walls: Walls | None = None
 
     @property
-    def smoothed(self) -> Single:
-        """The smoothed volume, shape (P, R, C); on an edge its slope is normal to it."""
-        return self.slopes.smoothed
-
-    @property
     def shape(self) -> Extent:
         """Shape of the volume at this scale."""
         return self.smoothed.shape
-
-    @property
-    def edge_map(self) -> Single:
-        """Edge strength f of every voxel [gray levels / unit]; zero outside the regions of interest."""
-        return self.slopes.edge_strengths()
-
-    @cached_property
-    def edges(self) -> EdgeBricks:
-        """The edge map where particles feel it; found on first use."""
-        return EdgeBricks.from_slopes(self.slopes, self.floor)
 
     @property
     def extent(self) -> Vector:
@@ -144,7 +134,7 @@ class VolumeField:
         wanted = FAR_FIELD_BLOCK if self.accuracy == "standard" else 1.0
         block = [max(1, round(wanted / side)) for side in self.pitch]
         deep = PLANES_PER_THREAD * block[0]
-        slabs = (self.slopes.edge_strengths(k, k + deep) for k in range(0, self.shape[0], deep))
+        slabs = (self.edge_map[k : k + deep] for k in range(0, self.shape[0], deep))
         weak = _MIN_CHARGED_STRENGTH * self.floor
         charges = np.concatenate([block_means(np.where(slab < weak, np.float32(0), slab), block) for slab in slabs])
         sides = tuple(n * side for n, side in zip(block, self.pitch, strict=True))
@@ -155,7 +145,7 @@ class VolumeField:
     def lorentz(self) -> Single:
         """Lorentz force on the voxels, shape (3, P, R, C), as particles there feel it."""
         out = np.empty((3, *self.shape), np.float32)
-        fields = (self.smoothed, self.edges, self.far_field.force, self.pitch, self.far_field.block, self.floor)
+        fields = (self.smoothed, self.edge_map, self.far_field.force, self.pitch, self.far_field.block, self.floor)
         run_in_parallel(
             lambda first, last: force_on_voxels(*fields, first, last, out), len(self.smoothed), PLANES_PER_THREAD
         )
@@ -169,15 +159,13 @@ class VolumeField:
     @cached_property
     def slope(self) -> float:
         """Mean slope of the potential [gray levels / unit]; 1 where it is flat."""
-        slope = float(
-            VolumeSlopes.from_volume(self.potential.astype(np.float32), self.pitch).edge_strengths().mean(dtype=float)
-        )
+        slope = float(volume_edge_map(self.potential.astype(np.float32), self.pitch).mean(dtype=float))
         return slope if slope > 0.0 else 1.0
 
     def with_far_field(self, exponent: float, accuracy: Accuracy) -> VolumeField:
         """Return the same edges with another field of their charges; everything known of the edges is kept."""
         other = replace(self, exponent=exponent, accuracy=accuracy)
-        other.__dict__.update({name: known for name, known in self.__dict__.items() if name in ("edges", "ridges")})
+        other.__dict__.update({name: known for name, known in self.__dict__.items() if name == "ridges"})
         return other
 
     def with_walls(self, walls: Walls | None) -> VolumeField:
@@ -192,7 +180,7 @@ class VolumeField:
     def ridges(self) -> Ridges:
         """Ridges of the edge map; found on first use."""
         return find_ridges(
-            self.smoothed, self.edges, self.pitch, self.floor, -1.0 if self.noisy else _MIN_NORMAL_COSINE
+            self.smoothed, self.edge_map, self.pitch, self.floor, -1.0 if self.noisy else _MIN_NORMAL_COSINE
         )
 
 
@@ -211,11 +199,10 @@ def build_volume_field(
     decides alone; outside `interest` there are no edges, and no particle crosses `walls`.
     """
     after = partial(_smooth_edges, values, pitch, interest)
-    sigma, smoothed, strongest, background = automatic_edges(after) if smoothing == "auto" else after(float(smoothing))
-    floor, noisy = weakest_volume_edge(strongest, background, edge_floor)
-    return VolumeField(
-        VolumeSlopes.from_volume(smoothed, pitch, interest), pitch, strongest, floor, sigma, noisy=noisy, walls=walls
-    )
+    found = automatic_edges(after) if smoothing == "auto" else after(float(smoothing))
+    floor, noisy = weakest_volume_edge(found.strongest, found.background, edge_floor)
+    made = found.smoothed, found.edge_map, pitch, found.strongest, floor, found.sigma
+    return VolumeField(*made, noisy=noisy, walls=walls)
 
 
 def weakest_volume_edge(strongest: float, background: float, edge_floor: float) -> tuple[float, bool]:
@@ -241,17 +228,9 @@ def automatic_edges(after: Callable[[float], SmoothedVolume]) -> SmoothedVolume:
 def _smooth_edges(values: Array, pitch: Vector, interest: Mask | None, sigma: float) -> SmoothedVolume:
     """Smooth a volume by a Gaussian of this sigma [units], and measure its edges; there are none outside `interest`."""
     smoothed = smooth_volume(values, [sigma / side for side in pitch])
-    slopes, strongest, some = VolumeSlopes.from_volume(smoothed, pitch, interest), 0.0, []
-    for first in range(0, len(smoothed), PLANES_PER_THREAD * BACKGROUND_STRIDE):
-        window = slice(first, first + PLANES_PER_THREAD * BACKGROUND_STRIDE)
-        found = slopes.edge_strengths(window.start, window.stop)
-        strongest = max(strongest, float(found.max()))
-        some.append(
-            found[::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE, ::BACKGROUND_STRIDE].ravel()
-            if interest is None
-            else found[interest[window]]
-        )
-    return SmoothedVolume(sigma, smoothed, strongest, noise_strength(np.concatenate(some)))
+    edge_map = volume_edge_map(smoothed, pitch, interest)
+    some = edge_map[(slice(None, None, BACKGROUND_STRIDE),) * 3].ravel() if interest is None else edge_map[interest]
+    return SmoothedVolume(sigma, smoothed, edge_map, float(edge_map.max()), noise_strength(some))
 
 
 def noise_strength(strengths: Array | Single) -> float:

@@ -14,10 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.field.interpolation import normal_at, value_at
-from cpm_core.field.volume_edges import SLOPE_ONSET, EdgeBricks, edge_at
+from cpm_core.field.interpolation import interpolate_field, normal_at, value_at
 from cpm_core.numerics.grids import find_root, renumber_groups
-from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.numerics.vectors import Vector, dot, move_along, row_lengths, row_of, scale_vector, set_row, vector_length
@@ -35,9 +34,19 @@ _MIN_RIDGE_STEP = 0.01
 """Step after which the ridge is reached [units]."""
 
 
+SLOPE_ONSET = 0.5
+"""Edge strength, as a fraction of the floor, at which the slope of the edge map begins to count."""
+
+
+@inlined
+def edge_at(edges: Single, pitch: Vector, place: Vector) -> float:
+    """Return the edge strength at a place [units]."""
+    return value_at(edges, place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2])
+
+
 @compiled
 def volume_force_at(
-    smoothed: Single, edges: EdgeBricks, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
+    smoothed: Single, edges: Single, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
 ) -> tuple[Vector, Vector, float, float, float]:
     """Return force, normal, edge strength and relative slope of the edge map at a place, and the slope's weight."""
     normal = normal_at(smoothed, pitch, place)
@@ -56,7 +65,7 @@ def volume_force_at(
 @compiled
 def force_on_voxels(
     smoothed: Single,
-    edges: EdgeBricks,
+    edges: Single,
     far: Single,
     pitch: Vector,
     block: Vector,
@@ -67,8 +76,8 @@ def force_on_voxels(
 ) -> None:
     """Write `volume_force_at` of the voxels of some planes into `out`, shape (3, P, R, C)."""
     for i in range(first, last):
-        for j in range(edges.rows):
-            for k in range(edges.cols):
+        for j in range(edges.shape[1]):
+            for k in range(edges.shape[2]):
                 place = (i * pitch[0], j * pitch[1], k * pitch[2])
                 force = volume_force_at(smoothed, edges, far, pitch, block, floor, place)[0]
                 out[0, i, j, k], out[1, i, j, k], out[2, i, j, k] = force
@@ -84,7 +93,7 @@ def far_field_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Ve
 
 
 @compiled
-def project_to_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, place: Vector, rounds: int) -> Vector:
+def project_to_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, rounds: int) -> Vector:
     """Project a place onto the ridge of the edge map along the normal: the top of a parabola, repeated."""
     for _ in range(rounds):
         normal = normal_at(smoothed, pitch, place)
@@ -101,7 +110,7 @@ def project_to_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, place: 
 
 
 @compiled
-def is_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, place: Vector, reach: float) -> bool:
+def is_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, reach: float) -> bool:
     """Return whether the edge is nowhere stronger at a distance along the normal, to either side."""
     normal = normal_at(smoothed, pitch, place)
     here = edge_at(edges, pitch, place)
@@ -111,7 +120,7 @@ def is_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, place: Vector, 
     )
 
 
-def project_all_to_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, places: Array, rounds: int) -> Array:
+def project_all_to_ridge(smoothed: Single, edges: Single, pitch: Vector, places: Array, rounds: int) -> Array:
     """Project places, shape (N, 3), onto the ridge; see `project_to_ridge`."""
     out = np.empty_like(places)
     run_in_parallel(
@@ -122,7 +131,7 @@ def project_all_to_ridge(smoothed: Single, edges: EdgeBricks, pitch: Vector, pla
 
 @compiled
 def _project_some(
-    smoothed: Single, edges: EdgeBricks, pitch: Vector, places: Array, rounds: int, out: Array, first: int, last: int
+    smoothed: Single, edges: Single, pitch: Vector, places: Array, rounds: int, out: Array, first: int, last: int
 ) -> None:
     for i in range(first, last):
         set_row(out, i, project_to_ridge(smoothed, edges, pitch, row_of(places, i), rounds))
@@ -158,13 +167,13 @@ class Ridges(NamedTuple):
         return Ridges(self.place[index], self.normal[index], self.strength[index], self.component[index])
 
 
-def find_ridges(smoothed: Single, edges: EdgeBricks, pitch: Vector, floor: float, turn: float) -> Ridges:
+def find_ridges(smoothed: Single, edges: Single, pitch: Vector, floor: float, turn: float) -> Ridges:
     """Find all ridges of the edge map of a smoothed volume, shape (P, R, C).
 
     A voxel is connected with those of the 26 around it that have a normal like its own: the scalar product is at least
     `turn`, so that walls of two objects that nearly touch each other stay apart.
     """
-    voxels, last = edges.voxels_above(floor), np.array(smoothed.shape) - 1
+    voxels, last = np.argwhere(edges >= np.float32(floor)), np.array(smoothed.shape) - 1
     count, slope = len(voxels), np.empty((len(voxels), 3))
     for axis, step in enumerate(np.eye(3, dtype=int)):
         ahead, behind = np.minimum(voxels + step, last), np.maximum(voxels - step, 0)
@@ -176,7 +185,7 @@ def find_ridges(smoothed: Single, edges: EdgeBricks, pitch: Vector, floor: float
         partial(_find_ridge_voxels, smoothed, edges, pitch, place, normal, ridge), count, _RIDGE_VOXELS_PER_THREAD
     )
     place = place[ridge]
-    return Ridges(place, normal[ridge], edges.strengths_at(pitch, place), component[ridge])
+    return Ridges(place, normal[ridge], interpolate_field(edges[None], place / pitch)[:, 0], component[ridge])
 
 
 @compiled
@@ -207,7 +216,7 @@ def _label_similar_normals(voxels: Index, slope: Array, size: Array, turn: float
 @compiled
 def _find_ridge_voxels(
     smoothed: Single,
-    edges: EdgeBricks,
+    edges: Single,
     pitch: Vector,
     place: Array,
     normal: Array,

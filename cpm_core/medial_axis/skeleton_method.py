@@ -322,7 +322,9 @@ class SkeletonMethod(ImageFields):
             field = cast("VolumeField", self.scale_field(parameters))
             smoothed = -field.smoothed if dark else field.smoothed  # the inside is lighter
             places = field.ridges.place / field.pitch
-            surface = find_surface(smoothed, field.edges, places, image.spacing, image.unit, smoothing=field.smoothing)
+            surface = find_surface(
+                smoothed, field.edge_map, places, image.spacing, image.unit, smoothing=field.smoothing
+            )
             inside = voxelize_surface(surface, image.shape)
         within = self.regions.voxel_mask(image.shape) if isinstance(self.regions, VolumeRegions) else None
         return inside if within is None else inside & within

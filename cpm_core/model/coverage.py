@@ -85,45 +85,26 @@ def mark_covered(coverage: Coverage, positions: Array, on_edge: Mask, step: int)
     `positions`, shape (N, 2) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
     coverage afterwards, the same one if no cell is new, and the number of newly covered cells.
     """
-    found, latest, new = _mark_cells(coverage.found, coverage.latest, positions, on_edge, step)
-    return Coverage(found, latest, coverage.size + new) if new else coverage, new
+    row, col = cell_indices(positions[on_edge], coverage.found.shape)
+    new = np.unique(np.stack([row, col])[:, coverage.found[row, col] == NEVER_COVERED], axis=1)
+    if not new.size:
+        return coverage, 0
+    found, latest = coverage.found.copy(), coverage.latest.copy()
+    found[tuple(new)] = step
+    for first, last in zip(np.maximum(new - COVERAGE_REACH, 0).T, (new + COVERAGE_REACH + 1).T, strict=True):
+        latest[first[0] : last[0], first[1] : last[1]] = step
+    return Coverage(found, latest, coverage.size + new.shape[1]), new.shape[1]
 
 
-@compiled
-def _cell_at(steps: Steps, position: Array, i: int) -> tuple[int, int]:
-    return cell_of(position[i, 0], COVERAGE_CELL, steps.shape[0]), cell_of(
-        position[i, 1], COVERAGE_CELL, steps.shape[1]
-    )
+def cell_indices(positions: Array, shape: Extent) -> Index:
+    """Return row and column of the cells, of which there are so many, of positions, shape (N, 2), shape (2, N)."""
+    return np.clip((positions + 0.5) / COVERAGE_CELL, 0, np.array(shape) - 1).astype(np.int64).T
 
 
-@compiled
-def _mark_cells(found: Steps, latest: Steps, position: Array, on_edge: Mask, step: int) -> tuple[Steps, Steps, int]:
-    """Mark the cells of particles on edges, and those near, as covered if they are new; return also their number."""
-    new = 0
-    for i in range(len(position)):
-        if not on_edge[i]:
-            continue
-        row, col = _cell_at(found, position, i)
-        if found[row, col] == NEVER_COVERED:
-            if not new:
-                found, latest = found.copy(), latest.copy()
-            found[row, col] = step
-            latest[
-                max(row - COVERAGE_REACH, 0) : row + COVERAGE_REACH + 1,
-                max(col - COVERAGE_REACH, 0) : col + COVERAGE_REACH + 1,
-            ] = step
-            new += 1
-    return found, latest, new
-
-
-@compiled
-def idle_steps_at(coverage: Coverage, positions: Array, step: int, elsewhere: int | np.int64) -> Index:
+def idle_steps_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
     """Count the steps since cells around each particle were newly covered, shape (N,); `elsewhere` if none ever was."""
-    idle = np.empty(len(positions), np.int64)
-    for i in range(len(positions)):
-        newest = coverage.latest[_cell_at(coverage.latest, positions, i)]
-        idle[i] = elsewhere if newest == NEVER_COVERED else step - newest
-    return idle
+    newest = coverage.latest[tuple(cell_indices(positions, coverage.latest.shape))].astype(np.int64)
+    return np.where(newest == NEVER_COVERED, elsewhere, step - newest)
 
 
 def with_times_reset(coverage: Coverage, step: int) -> Coverage:

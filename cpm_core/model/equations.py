@@ -174,20 +174,9 @@ def equilibrium_epsilon(distance: Array) -> float:
     `distance`, shape (N, T), is ``|r|`` of every particle at the last T steps, newest first. Rows with NaN do not
     count: their particles are too young. NaN if no particle is T steps old.
     """
-    total, old = _alternating_sum(distance)
-    return abs(total) / old if old else float("nan")
-
-
-@compiled
-def _alternating_sum(distance: Array) -> tuple[float, int]:
-    """Return the sum of the alternating sums of all rows without NaN, and the number of these rows."""
-    total, old = 0.0, 0
-    for i in range(len(distance)):
-        if not np.isnan(distance[i, HISTORY_STEPS - 1]):
-            for t in range(HISTORY_STEPS):
-                total += distance[i, t] if t % 2 else -distance[i, t]
-            old += 1
-    return total, old
+    old = distance[~np.isnan(distance[:, -1])]
+    signs = (-1.0) ** np.arange(1, HISTORY_STEPS + 1)
+    return abs(float((old @ signs).sum())) / len(old) if len(old) else float("nan")
 
 
 def is_quiet(epsilon: float, moving: int, changed: int, count: int) -> bool:

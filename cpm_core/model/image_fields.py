@@ -33,7 +33,7 @@ from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, copy_with
 from cpm_core.parameters import Parameters, choose_parameters
 
-_MIN_BYTES_PER_PIXEL = {2: 80.0, 3: 12.0}
+_MIN_BYTES_PER_PIXEL = {2: 80.0, 3: 16.0}
 """Least memory that a run needs for one pixel [bytes], by axes; in the plane 106 to 200 are measured."""
 
 

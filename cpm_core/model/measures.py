@@ -19,16 +19,26 @@ ridge and 0.7 % deeper, and while 150 particles settle there their energy rises 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
+import scipy
 
+from cpm_core.field.interpolation import interpolate_field
+from cpm_core.field.placed_charges import charge_radius_at, placed_potential
+from cpm_core.field.scale_field import ScaleField
+from cpm_core.field.volume_field import VolumeField
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Array, frozen, record
+from cpm_core.numerics.types import Array, Index, Mask, Sides, frozen, record
+from cpm_core.numerics.vectors import row_lengths
+from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr
 
-PAIR_FORCE = 0.5
+_PAIR_FORCE = 0.5
 """Coulomb force of two particles d_min apart, in w1."""
+
+_MIN_ENERGY_DISTANCE = 0.1
+"""Least distance of two particles in their energy [px], which thus stays finite."""
 
 
 @frozen
@@ -59,6 +69,33 @@ def kinetic_energy(state: State) -> float:
     """Return the kinetic energy of the particles of a state [px^2 of the image / unit of time^2]; fast."""
     velocity = state.particles.velocity
     return 0.5 * 4.0**state.scale * float(np.einsum("ni,ni->", velocity, velocity))
+
+
+def measure_energies(
+    state: State,
+    field: ScaleField | VolumeField,
+    parameters: Parameters,
+    pitch: Sides,
+    reach: float,
+    repel: Callable[[Index, Index], Mask] | None = None,
+) -> Energies:
+    """Measure the energies of a state with its placed charges; `field` is without them.
+
+    `pitch` are the sides of a pixel, pairs count up to `reach`, in the unit of the particles; `repel` tells which of
+    some pairs, given by their indices, act on each other.
+    """
+    position, axes = state.particles.position, len(state.shape)
+    one, other = scipy.spatial.cKDTree(position).query_pairs(reach, output_type="ndarray").T
+    if repel is not None:
+        acting = repel(one, other)
+        one, other = one[acting], other[acting]
+    apart = np.maximum(row_lengths(position[one] - position[other]), _MIN_ENERGY_DISTANCE)
+    pairs = float((apart ** (1 - axes) - reach ** (1 - axes)).sum()) / (axes - 1)
+    fixed = interpolate_field(field.potential[None], position / np.array(pitch)).sum() / field.slope
+    placed = placed_potential(state.placed, charge_radius_at(state.scale), position).sum()
+    mutual = _PAIR_FORCE * parameters.w1 * parameters.d_min**axes * pairs
+    in_image = 4.0**state.scale
+    return Energies(kinetic_energy(state), in_image * (mutual + parameters.w2 * float(fixed + placed)))
 
 
 @record

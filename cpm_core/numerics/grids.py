@@ -73,50 +73,36 @@ def window_shape(window: Window) -> tuple[int, ...]:
 
 @record
 class ConnectedParts:
-    """Connected parts of a mask of three axes, as runs of voxels along the last one.
+    """Connected parts of a mask of three axes.
 
-    `begin` has the first run of each row, shape (P R + 1,); the runs have the first column, the one behind the last,
-    and the number of the part.
+    `labels` has the number of the part of each voxel plus one, and 0 where the mask is False.
     """
 
-    shape: Extent
-    begin: Index
-    first: Labels
-    end: Labels
-    part: Index
+    labels: Labels
     count: int
-
-    @property
-    def labels(self) -> Labels:
-        """Number of the part of each voxel plus one; 0 where the mask is False."""
-        return self.fill_voxels(np.arange(self.count, dtype=np.int32) + 1, np.zeros(self.shape, np.int32))
 
     def fill_voxels(self, values: Filling, out: Filling) -> Filling:
         """Write a value for each part into its voxels."""
-        _fill_runs(self.begin, self.first, self.end, values[self.part], out)
+        inside = self.labels > 0
+        out[inside] = values[self.labels[inside] - 1]
         return out
 
     @property
     def sizes(self) -> Index:
         """Number of voxels of each part."""
-        return np.bincount(self.part, self.end - self.first, self.count).astype(np.int64)
+        return np.bincount(self.labels[self.labels > 0] - 1, minlength=self.count).astype(np.int64)
 
     @property
     def at_border(self) -> Mask:
         """Which parts touch the border of the mask."""
-        planes, rows, cols = self.shape
-        outer = np.ones((planes, rows), np.bool_)
-        outer[1:-1, 1:-1] = False
-        at = np.repeat(outer.ravel(), np.diff(self.begin)) | (self.first == 0) | (self.end == cols)
-        found = np.zeros(self.count, np.bool_)
-        found[self.part[at]] = True
-        return found
+        found = np.zeros(self.count + 1, np.bool_)
+        for axis in range(3):
+            found[self.labels.take([0, -1], axis)] = True
+        return found[1:]
 
     def part_at(self, voxels: Index) -> Index:
         """Return the part of each voxel, shape (N, 3), as shape (N,); -1 where the mask is False."""
-        found = np.empty(len(voxels), np.int64)
-        _look_up(self.begin, self.first, self.end, self.part, self.shape[1], voxels, found)
-        return found
+        return self.labels[tuple(voxels.T)].astype(np.int64) - 1
 
 
 _MAX_COUNTED_RANGE = 2**16
@@ -151,59 +137,8 @@ def find_label_boxes(labels: NDArray[np.integer]) -> list[tuple[int, Window]]:
 
 def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:
     """Find the connected parts of a mask, shape (P, R, C); with `corners` voxels have 26 neighbors, else 6."""
-    begin = np.zeros(mask.shape[0] * mask.shape[1] + 1, np.int64)
-    first, end = _find_runs(mask, begin)
-    part = np.arange(len(first))
-    return ConnectedParts(
-        mask.shape, begin, first, end, part, _join_runs(begin, first, end, mask.shape[1], corners, part)
-    )
-
-
-@compiled
-def _find_runs(mask: Mask, begin: Index) -> tuple[Labels, Labels]:
-    """Find the first columns of runs and the columns behind their last; write their number up to each row."""
-    planes, rows, cols = mask.shape
-    for row in range(planes * rows):
-        line, before, count = mask[row // rows, row % rows], False, begin[row]
-        for k in range(cols):
-            count += line[k] and not before
-            before = line[k]
-        begin[row + 1] = count
-    first, end = np.empty(begin[-1], np.int32), np.empty(begin[-1], np.int32)
-    for row in range(planes * rows):
-        line, before, n = mask[row // rows, row % rows], False, begin[row]
-        for k in range(cols):
-            if line[k] and not before:
-                first[n] = k
-            elif before and not line[k]:
-                end[n] = k
-                n += 1
-            before = line[k]
-        if before:
-            end[n] = cols
-    return first, end
-
-
-@compiled
-def _join_runs(begin: Index, first: Labels, end: Labels, rows: int, corners: bool, group: Index) -> int:
-    """Label the connected parts of runs in the order of their first runs; return the number of parts."""
-    reach = int(corners)
-    for row in range(len(begin) - 1):
-        for n in range(4):  # the row before, and three in the plane before
-            plane, at = row // rows - (n > 0), row % rows + (n - 2 if n else -1)
-            if plane < 0 or not 0 <= at < rows or (n % 2 and not corners):
-                continue
-            other = plane * rows + at
-            a, b = begin[row], begin[other]
-            while a < begin[row + 1] and b < begin[other + 1]:
-                if first[a] < end[b] + reach and first[b] < end[a] + reach:
-                    one, two = find_root(group, a), find_root(group, b)
-                    group[max(one, two)] = min(one, two)
-                if end[a] < end[b]:
-                    a += 1
-                else:
-                    b += 1
-    return renumber_groups(group)
+    labels, count = scipy.ndimage.label(mask, np.ones((3, 3, 3), bool) if corners else None)
+    return ConnectedParts(np.asarray(labels, np.int32), int(count))
 
 
 @compiled
@@ -217,32 +152,6 @@ def renumber_groups(group: Index) -> int:
         else:
             group[q] = group[group[q]]
     return count
-
-
-@compiled
-def _fill_runs(begin: Index, first: Labels, end: Labels, values: Filling, out: Filling) -> None:
-    """Write a value for each run."""
-    rows = out.shape[1]
-    for row in range(len(begin) - 1):
-        line = out[row // rows, row % rows]
-        for n in range(begin[row], begin[row + 1]):
-            for k in range(first[n], end[n]):
-                line[k] = values[n]
-
-
-@compiled
-def _look_up(begin: Index, first: Labels, end: Labels, part: Index, rows: int, voxels: Index, found: Index) -> None:
-    """Write the parts of some voxels, -1 where there is none."""
-    for q in range(len(voxels)):
-        row = voxels[q, 0] * rows + voxels[q, 1]
-        low, high = begin[row], begin[row + 1]
-        while low < high:
-            middle = (low + high) // 2
-            if end[middle] <= voxels[q, 2]:
-                low = middle + 1
-            else:
-                high = middle
-        found[q] = part[low] if low < begin[row + 1] and first[low] <= voxels[q, 2] else -1
 
 
 def label_joined_pairs(pairs: Iterable[Index], count: int) -> Index:

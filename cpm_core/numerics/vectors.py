@@ -1,11 +1,14 @@
-"""Vectors in space as three numbers, for compiled loops: none of them allocates an array."""
+"""Vectors in space as three numbers, for compiled loops that allocate no array; and places that are far apart."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+import scipy
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Index, Mask
 
 Vector = tuple[float, float, float]
 """A position or a direction (plane, row, col)."""
@@ -56,3 +59,25 @@ def set_row(rows: Array, i: int, vector: Vector) -> None:
 def row_lengths(vectors: Array) -> Array:
     """Return the length of each row of vectors, shape (N, D), as shape (N,); faster than `np.linalg.norm`."""
     return np.sqrt(np.einsum("ni,ni->n", vectors, vectors))
+
+
+def keep_apart(places: Array, distance: float, are_rivals: Callable[[Index, Index], Mask] | None = None) -> Mask:
+    """Keep places, shape (N, D), so that none has an earlier one that stays nearer than a distance; a mask, shape (N,).
+
+    `are_rivals` tells of pairs, by the indices of both, which are in each other's way, by default all.
+    """
+    kept = np.ones(len(places), bool)
+    if len(places):
+        pairs = scipy.spatial.cKDTree(places).query_pairs(np.nextafter(distance, 0.0), output_type="ndarray")
+        if are_rivals is not None:
+            pairs = pairs[are_rivals(*pairs.T)]
+        _drop_later(pairs[np.argsort(pairs[:, 0], kind="stable")], kept)
+    return kept
+
+
+@compiled
+def _drop_later(pairs: Index, kept: Mask) -> None:
+    """Drop the second of each pair whose first one stays; pairs are in the order of the first."""
+    for n in range(len(pairs)):
+        if kept[pairs[n, 0]]:
+            kept[pairs[n, 1]] = False

@@ -14,7 +14,8 @@ import numpy as np
 import scipy
 
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array
+from cpm_core.numerics.vectors import keep_apart
 
 NEAREST = 0.1
 """Part of the particles, the nearest to each, that the Coulomb force is summed over (section 3.5.1)."""
@@ -67,16 +68,6 @@ def insert_and_delete(
         force=0.5 * (p.force[i] + p.force[j]),
     )
     return p.append(new), np.concatenate([F, 0.5 * (F[i] + F[j])]), len(new), int((~kept).sum())
-
-
-def keep_apart(r: Array, d: float) -> Mask:
-    """Return which places, shape (N, D), stay if one of two nearer than `d` goes, the later one, in their order."""
-    kept = np.ones(len(r), bool)
-    if len(r):
-        pairs = scipy.spatial.cKDTree(r).query_pairs(np.nextafter(d, 0.0), output_type="ndarray")
-        for i, j in pairs[np.lexsort(pairs.T[::-1])].tolist():
-            kept[j] &= not kept[i]
-    return kept
 
 
 def update(p: Particles, F: Array, beta: float, dt: float) -> Particles:

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import GRADIENT_COL, GRADIENT_ROW, interpolate_component, pixel_before
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
-from cpm_core.model.coverage import COVERAGE_CELL, COVERAGE_REACH, NEVER_COVERED, Coverage, cell_of
+from cpm_core.model.coverage import COVERAGE_CELL, COVERAGE_REACH, NEVER_COVERED, Coverage, cell_indices, cell_of
 from cpm_core.model.equations import IDLE_STEPS
 from cpm_core.model.interventions import allowed_places
 from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.state import State
 from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Mask, Single
 
 _MIN_THINNED_PIXELS = 2**20
 """Pixels of an image above which the coarsest scale begins with fewer seeds, and a finer one after any start."""
@@ -50,7 +50,7 @@ def thin_seeds(state: State) -> State:
     cells = state.coverage.found.shape
     if state.count <= math.prod(cells):
         return state
-    place = np.ravel_multi_index(tuple(_cell_indices(state.particles.position, cells)), cells)
+    place = np.ravel_multi_index(tuple(cell_indices(state.particles.position, cells)), cells)
     return replace(state, particles=state.particles.select(np.sort(np.unique(place, return_index=True)[1])))
 
 
@@ -69,7 +69,7 @@ def drop_explained_seeds(state: State, field: ScaleField) -> State:
     first = state.count - len(allowed_places(state.start, state.scale, state.shape, state.regions))
     place = state.particles.position
     seeds = np.zeros(state.coverage.found.shape, bool)
-    row, col = _cell_indices(place[first:], seeds.shape)
+    row, col = cell_indices(place[first:], seeds.shape)
     seeds[row, col] = True
     if (
         math.prod(state.shape) <= _MIN_THINNED_PIXELS
@@ -96,11 +96,6 @@ def find_unexplained_edges(field: ScaleField, place: Array, shape: tuple[int, ..
     run_in_bands(partial(_mark_edges, packed, field.floor, edges), len(edges))
     _mark_explained(packed, place, explained)
     return edges != 0, (edges & ~explained) != 0
-
-
-def _cell_indices(place: Array, shape: tuple[int, ...]) -> Index:
-    """Return row and column of the cells of positions, shape (2, N)."""
-    return np.clip((place + 0.5) / COVERAGE_CELL, 0, np.array(shape) - 1).astype(np.int64).T
 
 
 def _dilate_cells(cells: Mask, reach: int) -> Mask:

@@ -57,7 +57,7 @@ def find_state_surface(state: VolumeState, image: Image, field: VolumeField, par
     points = particles.position[particles.on_surface]
     shut = None if field.walls is None else field.walls.find_shut_voxels(field.shape, field.pitch, points)
     spacing = tuple(side * 2.0**scale for side in image.spacing)
-    fields = field.smoothed, field.edges
+    fields = field.smoothed, field.edge_map
     surface = find_surface(*fields, points / state.pitch, spacing, image.unit, smoothing=field.smoothing, shut=shut)
     if scale:
         surface = replace(surface, vertices=to_image(surface.vertices, scale, image.shape), spacing=image.spacing)

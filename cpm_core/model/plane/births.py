@@ -29,6 +29,7 @@ from cpm_core.model.state import HISTORY_STEPS, Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single, record
+from cpm_core.numerics.vectors import keep_apart
 from cpm_core.parameters import Parameters
 
 
@@ -121,36 +122,7 @@ def select_survivors(position: Array, strength: Array, d_min: float, close: Mask
     kept = np.ones(len(position), np.bool_)
     if len(near):
         order = near[np.argsort(-strength[near], kind="stable")]
-        places = position[order]
-        kept[order] = _keep_first_of_near(places, np.argsort(places @ _SORT_DIRECTION), DELETION_DISTANCE * d_min)
-    return kept
-
-
-_SORT_DIRECTION = np.array([0.6, 0.8])
-"""Direction along which places are sorted: few of them lie in a line across it."""
-
-
-@compiled
-def _keep_first_of_near(place: Array, along: Index, distance: float) -> Mask:
-    """Keep places such that none has an earlier one that stays nearer than a distance.
-
-    `along` is their order in some direction.
-    """
-    count = len(along)
-    rank, kept = np.empty(count, np.int64), np.ones(count, np.bool_)
-    for k in range(count):
-        rank[along[k]] = k
-    for i in range(count):
-        y, x = place[i, 0], place[i, 1]
-        for way in (-1, 1):
-            k = rank[i] + way
-            while kept[i] and 0 <= k < count:
-                j = along[k]
-                d_y, d_x = place[j, 0] - y, place[j, 1] - x
-                if abs(_SORT_DIRECTION[0] * d_y + _SORT_DIRECTION[1] * d_x) > distance:
-                    break
-                kept[i] = j > i or not kept[j] or np.sqrt(d_y**2 + d_x**2) >= distance
-                k += way
+        kept[order] = keep_apart(position[order], DELETION_DISTANCE * d_min)
     return kept
 
 

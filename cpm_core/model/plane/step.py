@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import interpolate_field
-from cpm_core.field.placed_charges import charge_radius_at, near_charges, placed_forces, placed_potential
+from cpm_core.field.placed_charges import charge_radius_at, near_charges, placed_forces
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import idle_steps_at, mark_covered
@@ -26,7 +26,7 @@ from cpm_core.model.equations import (
     is_quiet,
 )
 from cpm_core.model.interventions import start_scale
-from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
+from cpm_core.model.measures import Energies, Forces, measure_energies
 from cpm_core.model.plane.births import (
     examine_contacts,
     find_insertions,
@@ -36,18 +36,16 @@ from cpm_core.model.plane.births import (
 )
 from cpm_core.model.plane.enclosed_regions import MAX_PLANE_RESEEDINGS, reseeding_places
 from cpm_core.model.plane.motion import (
-    MovedParticles,
-    current_mesh_force,
     edge_contact_at,
     hold_at_barriers,
     is_at_rest,
     move_in_plane,
 )
-from cpm_core.model.plane.repulsion import build_plane_cells, pair_energy
+from cpm_core.model.plane.repulsion import build_plane_cells
 from cpm_core.model.plane.state import PlaneState
-from cpm_core.model.state import HISTORY_STEPS, Particles
-from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.model.starts import is_inside_image
+from cpm_core.model.state import Particles
+from cpm_core.numerics.types import Array, Index
 from cpm_core.numerics.vectors import row_lengths
 from cpm_core.parameters import Parameters
 
@@ -61,7 +59,7 @@ _MAX_TRAVELLING_FRACTION = 0.25
 _HOLDING_STRENGTH = 1.25
 """Edge strength, in multiples of the edge floor, that holds particles in any case."""
 
-_OUTSIDE_COVERAGE = np.int64(-1)
+_OUTSIDE_COVERAGE = -1
 """Value for the idle steps of a particle outside the coverage map."""
 
 _GATHERING_STEPS = 100
@@ -186,52 +184,34 @@ _FADED_INTERVAL = 4
 
 def move_particles(
     state: PlaneState, idle: Index, scale_field: ScaleField, parameters: Parameters
-) -> tuple[PlaneState, MovedParticles]:
-    """Move the particles of a state and drop those that leave the image; also return how they moved.
+) -> tuple[PlaneState, Array]:
+    """Move the particles of a state and drop those that leave the image; also return how far each moved, shape (N,).
 
     `idle`, shape (N,), counts the steps since cells near each particle were newly covered.
     """
     particles, step = state.particles, state.step_of_scale
-    mesh = current_mesh_force(state, idle, scale_field, parameters)
-    moved = move_in_plane(particles, idle, mesh, scale_field, parameters)
-    held = hold_at_barriers(scale_field.barrier_map, particles, moved.particles)
-    if held is not moved.particles:
-        moved = MovedParticles.held_at(held, particles.position)
-    inside, displacement, moving = _find_inside(held.position, moved.motion, *scale_field.shape)
-    left = len(held) - len(inside)
+    moved, motion = move_in_plane(particles, idle, scale_field, parameters)
+    moved, motion = hold_at_barriers(scale_field.barrier_map, particles, moved, motion)
+    inside = np.flatnonzero(is_inside_image(moved.position, scale_field.shape))
+    left = len(moved) - len(inside)
     if left:
-        moved = moved.select(inside)
+        moved, motion = moved.select(inside), motion[inside]
     state = replace(
         state,
-        particles=moved.particles,
-        mesh=mesh,
+        particles=moved,
         step=state.step + 1,
         step_of_scale=step + 1,
         born=0,
         deleted=left,
-        displacement=displacement,
-        moving=moving,
-        epsilon=equilibrium_epsilon(moved.particles.distance),
+        displacement=float(motion.mean()) if len(inside) else float("nan"),
+        moving=int(np.count_nonzero(motion > STILL_DISTANCE)),
+        epsilon=equilibrium_epsilon(moved.distance),
     )
-    return state, moved
-
-
-@compiled
-def _find_inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[Index, float, int]:
-    """Return the particles inside the image, their mean motion, and how many of them moved."""
-    inside, count, total, moving = np.empty(len(position), np.int64), 0, 0.0, 0
-    for i in range(len(position)):
-        y, x = position[i, 0], position[i, 1]
-        if y >= -0.5 and y <= rows - 0.5 and x >= -0.5 and x <= cols - 0.5:
-            inside[count] = i
-            count += 1
-            total += motion[i]
-            moving += motion[i] > STILL_DISTANCE
-    return inside[:count], total / count, moving
+    return state, motion
 
 
 def insert_and_delete(
-    state: PlaneState, moved: MovedParticles, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
+    state: PlaneState, motion: Array, repulsion_gone: bool, scale_field: ScaleField, parameters: Parameters
 ) -> PlaneState:
     """Delete and insert particles; late in a run this happens only at some steps.
 
@@ -241,7 +221,7 @@ def insert_and_delete(
     every = _FADED_INTERVAL if repulsion_gone else _LATE_INTERVAL if state.idle >= IDLE_STEPS else 1
     if state.step % every:
         return replace(state, idle=state.idle + 1)
-    particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
+    particles, step, has_moved = state.particles, state.step_of_scale, motion > 0.0
     cells = build_plane_cells(particles.position, scale_field.shape, search_range(parameters))
     contact, close = examine_contacts(cells, has_moved, scale_field, parameters.d_min)
     kept = select_survivors(particles.position, contact.strength, parameters.d_min, close)
@@ -249,8 +229,9 @@ def insert_and_delete(
         kept &= particles.crept <= creeping_range(parameters) * 0.5**state.scale
     coverage, new = mark_covered(state.coverage, particles.position, contact.on_edge & kept, step)
     idle = idle_steps_at(coverage, particles.position, step, state.idle)
-    turn = state.step // every
-    looking = _select_searching(particles.identity, particles.distance, has_moved, idle, turn, repulsion_gone)
+    # those of a front and young ones search always, the others by turns
+    turn = (particles.identity + state.step // every) % _SEARCH_INTERVAL == 0
+    looking = has_moved & (repulsion_gone | (idle < _FRONT_STEPS) | particles.young | turn)
     insertion_range = np.asarray(parameters.d_max * parameters.annealing**idle, np.float64)
     births = find_insertions(contact, kept, looking, scale_field, insertion_range, parameters)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
@@ -266,18 +247,6 @@ def insert_and_delete(
         coverage=coverage,
         idle=state.idle + 1 if is_idle(new, coverage.size) else 0,
     )
-
-
-@compiled
-def _select_searching(
-    identity: Index, distance: Array, has_moved: Mask, idle: Index, turn: int, everywhere: bool
-) -> Mask:
-    """Select the particles that search in a turn: those of a front and young ones always, the others by turns."""
-    looking = has_moved.copy()
-    for i in range(len(identity)):
-        front = idle[i] < _FRONT_STEPS or np.isnan(distance[i, HISTORY_STEPS - 1])
-        looking[i] &= everywhere or front or (identity[i] + turn) % _SEARCH_INTERVAL == 0
-    return looking
 
 
 def check_end(
@@ -317,9 +286,9 @@ def step_in_plane(
     """
     idle = idle_steps_of(state, field, parameters)
     repulsion_gone = not (idle < FADED_STEPS).any()
-    state, moved = move_particles(state, idle, field, parameters)
+    state, motion = move_particles(state, idle, field, parameters)
     if len(state.particles):
-        state = insert_and_delete(state, moved, repulsion_gone, field, parameters)
+        state = insert_and_delete(state, motion, repulsion_gone, field, parameters)
     return check_end(state, field, regions, parameters)
 
 
@@ -340,12 +309,11 @@ def plane_forces(
     """
     particles, idle = state.particles, idle_steps_of(state, charged, parameters)
     chosen = particles.select(which)
-    mesh = current_mesh_force(state, idle, scale_field, parameters)
     lorentz = parameters.w2 * interpolate_field(scale_field.lorentz, chosen.position)
     placed = parameters.w2 * interpolate_field(charged.lorentz, chosen.position) - lorentz
     idle_there = idle[which]
     apart, applied = (
-        move_in_plane(particles, idle, mesh, field, parameters).particles.force[which, 0]
+        move_in_plane(particles, idle, field, parameters)[0].force[which, 0]
         for field in (replace(charged, force=lambda: _NO_EDGES), charged)
     )
     coulomb = np.where((idle_there < FADED_STEPS)[:, None], apart - (parameters.w2, 0.0), 0.0)
@@ -359,11 +327,4 @@ def plane_forces(
 
 def plane_energies(state: PlaneState, scale_field: ScaleField, parameters: Parameters) -> Energies:
     """Return the energies of a state with its placed charges; `scale_field` is without them. See `Engine.energies`."""
-    particles = state.particles
-    in_image = 4.0**state.scale
-    reach = parameters.d_min + parameters.d_max
-    pairs = pair_energy(build_plane_cells(particles.position, scale_field.shape, reach), reach)
-    fixed = interpolate_field(scale_field.potential[None], particles.position).sum() / scale_field.slope
-    placed = placed_potential(state.placed, charge_radius_at(state.scale), particles.position).sum()
-    mutual = PAIR_FORCE * parameters.w1 * parameters.d_min**2 * pairs
-    return Energies(kinetic_energy(state), in_image * (mutual + parameters.w2 * float(fixed + placed)))
+    return measure_energies(state, scale_field, parameters, (1.0, 1.0), parameters.d_min + parameters.d_max)

@@ -23,14 +23,12 @@ import numpy as np
 from cpm_core.field.interpolation import normal_at
 from cpm_core.field.placed_charges import NO_PLACED_CHARGES, ChargesAtScale, find_torn_off
 from cpm_core.field.scale_field import EDGE_END_FRACTION
-from cpm_core.field.volume_edges import EdgeBricks, edge_at
 from cpm_core.field.volume_field import VolumeField
-from cpm_core.field.volume_surface import face_same_way, is_ridge, project_to_ridge
+from cpm_core.field.volume_surface import edge_at, face_same_way, is_ridge, project_to_ridge
 from cpm_core.model.equations import DELETION_DISTANCE
 from cpm_core.model.volume.motion import (
-    MIN_CELL_SIDE,
     VolumeCells,
-    build_volume_cells,
+    act_on_each_other,
     find_near,
     near_buffer,
     on_same_surface,
@@ -42,6 +40,7 @@ from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.numerics.vectors import (
     Vector,
     dot,
+    keep_apart,
     move_along,
     row_lengths,
     row_of,
@@ -144,7 +143,7 @@ _SURFACE_SEARCHES_PER_THREAD = 100
 _Sheets = tuple[Array, Array, Mask, Array]
 """Positions of the particles, normals, which are seated, and edge strengths."""
 
-_Edge = tuple[Single, EdgeBricks, Vector, float]
+_Edge = tuple[Single, Single, Vector, float]
 """Smoothed volume, edge map, sides of a voxel, and least edge strength."""
 
 _Search = tuple[VolumeCells, Index, _Sheets, _Edge, Array, Index]
@@ -179,7 +178,7 @@ def find_surface_insertions(
     looks[looking] = True
     found, count = np.empty((len(looking), _MAX_NEW_AROUND, 7)), np.zeros(len(looking), np.int64)
     sheets = (particles.position, particles.normal, particles.on_surface, particles.strength)
-    edge = (field.smoothed, field.edges, field.pitch, field.floor)
+    edge = (field.smoothed, field.edge_map, field.pitch, field.floor)
     search = partial(_search_places, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
     run_in_parallel(search, len(looking), _SURFACE_SEARCHES_PER_THREAD)
     places, parents = found[np.arange(_MAX_NEW_AROUND) < count[:, None]], np.repeat(looking, count)
@@ -331,19 +330,5 @@ def select_spaced(position: Array, normal: Array, room: float, seated: Mask | No
 
     `seated`, shape (M,), are those that lie on a sheet, by default all; others are in the way of any.
     """
-    kept = np.ones(len(position), bool)
-    if len(position):
-        cells = build_volume_cells(position, tuple(position.max(axis=0)), max(room, MIN_CELL_SIDE))
-        _mark_apart(cells, position, normal, kept.copy() if seated is None else seated, room, kept)
-    return kept
-
-
-@compiled
-def _mark_apart(cells: VolumeCells, position: Array, normal: Array, seated: Mask, room: float, kept: Mask) -> None:
-    """Unmark in turn the places with an earlier one of their sheet that stays."""
-    found = near_buffer(cells)
-    for i in range(len(position)):
-        for n in range(find_near(cells, row_of(position, i), room, found)):
-            j = cells.order[found[n]]
-            if j < i and kept[j] and on_same_surface(i, j, normal, seated):
-                kept[i] = False
+    on_sheet = np.ones(len(position), bool) if seated is None else seated
+    return keep_apart(position, room, act_on_each_other(normal, on_sheet))

@@ -153,5 +153,5 @@ def drop_off_surface(state: VolumeState, field: VolumeField) -> VolumeState:
 
 def _pull_to_ridge(field: VolumeField, places: Array) -> Array:
     """Move places to the ridge, which may lie behind the outermost voxels, but no farther than their centers."""
-    position = project_all_to_ridge(field.smoothed, field.edges, field.pitch, places, _FINAL_RIDGE_STEPS)
+    position = project_all_to_ridge(field.smoothed, field.edge_map, field.pitch, places, _FINAL_RIDGE_STEPS)
     return np.clip(position, 0.0, (np.array(field.shape) - 1) * field.pitch)

@@ -59,9 +59,7 @@ def find_inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered:
 
 def _find_enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) -> Mask:
     """Return the fitting boundaries that bound an enclosed region with another boundary that has been found."""
-    between = np.ones(field.shape, bool)
-    between[tuple(field.edges.voxels_above(field.floor).T)] = False
-    regions = find_connected_parts(between, corners=False)
+    regions = find_connected_parts(field.edge_map < np.float32(field.floor), corners=False)
     open_ = regions.at_border
     if field.walls is not None:
         crossed = regions.part_at(np.argwhere(field.walls.find_wall_voxels(field.shape, field.pitch)))

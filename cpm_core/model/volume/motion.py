@@ -12,6 +12,7 @@ of some cells are found by bisection.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
@@ -20,7 +21,6 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.field.placed_charges import NO_PLACED_CHARGES, ChargesAtScale, placed_force
-from cpm_core.field.volume_edges import EdgeBricks
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import ON_RIDGE_SLOPE, face_same_way, volume_force_at
 from cpm_core.image.volume_regions import Walls
@@ -153,6 +153,11 @@ def on_same_surface(i: int, j: int, normals: Array, seated: Mask) -> bool:
     return not (seated[i] and seated[j]) or face_same_way(row_of(normals, i), row_of(normals, j))
 
 
+def act_on_each_other(normals: Array, seated: Mask) -> Callable[[Index, Index], Mask]:
+    """Return the rule `on_same_surface` for many pairs, by the indices of both."""
+    return lambda i, j: (np.einsum("ni,ni->n", normals[i], normals[j]) > 0.0) | ~(seated[i] & seated[j])
+
+
 REPULSION_REACH = 2.2
 """Distance up to which particles repel each other, in d_min."""
 
@@ -162,7 +167,7 @@ _SECOND_NEIGHBOR_DISTANCE = 4.0
 MIN_SQUARED_DISTANCE = 1e-4
 """Least squared distance of two particles in their force and energy [units^2]."""
 
-_Fields = tuple[Single, EdgeBricks, Single]
+_Fields = tuple[Single, Single, Single]
 """Smoothed volume, edge map, and far field."""
 
 _Grid = tuple[Vector, Vector, float, float]
@@ -232,7 +237,7 @@ def force_parts(
 def _gather_surroundings(field: VolumeField, law: Parameters, placed: ChargesAtScale) -> _Felt:
     """Collect everything that acts on particles except each other."""
     return (
-        (field.smoothed, field.edges, field.far_field.force),
+        (field.smoothed, field.edge_map, field.far_field.force),
         (field.pitch, field.far_field.block, field.floor, placed.radius),
         placed.charges,
         (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.field.volume_edges import VolumeSlopes
+from cpm_core.field.edge_map import volume_edge_map
 from cpm_core.field.volume_field import pitch_of, smooth_volume
 from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.image import Image, as_image
@@ -209,7 +209,7 @@ def volume_edge_strength(volume: Image, smoothing: float) -> Array:
     """Return the edge strength of every voxel, shape (P, R, C); `smoothing` as for `seeds_on_strong_edges`."""
     pitch = pitch_of(volume.spacing)
     smoothed = smooth_volume(limit_specks(volume.values), [smoothing / side for side in pitch])
-    return VolumeSlopes.from_volume(smoothed, pitch).edge_strengths().astype(float)
+    return volume_edge_map(smoothed, pitch).astype(float)
 
 
 def seeds_at_centers(values: ArrayLike | Image, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
@@ -252,7 +252,7 @@ def seeds_at_centers(values: ArrayLike | Image, smoothing: float = 2.0, spacing:
     cube = max(1.0, float(np.prod(extent) / _MAX_CENTER_CUBES) ** (1.0 / 3.0))
     shape = np.maximum(np.rint(extent / cube).astype(int) + 1, 2)
     even = scipy.ndimage.zoom(smooth, shape / np.array(volume.shape), order=1, grid_mode=False)
-    strength = VolumeSlopes.from_volume(even, (1.0, 1.0, 1.0)).edge_strengths()
+    strength = volume_edge_map(even, (1.0, 1.0, 1.0))
     found = field_divergence_centers(np.asarray(strength, float), apart)
     return found * (np.array(volume.shape) - 1) / (np.array(even.shape) - 1)
 

@@ -12,8 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core.field.interpolation import interpolate_field
-from cpm_core.field.placed_charges import ChargesAtScale, charge_radius_at, placed_potential
+from cpm_core.field.placed_charges import ChargesAtScale, charge_radius_at
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import SurfaceCoverage, cover_surfaces, no_surface_coverage
@@ -25,7 +24,7 @@ from cpm_core.model.equations import (
     fast_speed,
 )
 from cpm_core.model.interventions import start_scale
-from cpm_core.model.measures import PAIR_FORCE, Energies, Forces, kinetic_energy
+from cpm_core.model.measures import Energies, Forces, measure_energies
 from cpm_core.model.volume.births import (
     NEW_PARTICLE_ROOM,
     VolumeBirths,
@@ -35,21 +34,20 @@ from cpm_core.model.volume.births import (
 from cpm_core.model.volume.completion import drop_off_surface, reseed_surface
 from cpm_core.model.volume.motion import (
     MIN_CELL_SIDE,
-    MIN_SQUARED_DISTANCE,
     REPULSION_REACH,
     VolumeCells,
+    act_on_each_other,
     build_volume_cells,
     find_near,
     force_parts,
     hold_at_walls,
     move_in_volume,
     near_buffer,
-    on_same_surface,
 )
 from cpm_core.model.volume.state import VolumeParticles, VolumeState
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.numerics.vectors import Vector, dot, row_lengths, row_of, subtract_vectors
+from cpm_core.numerics.vectors import Vector, row_lengths, row_of
 from cpm_core.parameters import Parameters
 
 _AWAKE_STEPS = 12
@@ -248,26 +246,5 @@ def volume_forces(
 
 def volume_energies(state: VolumeState, field: VolumeField, parameters: Parameters) -> Energies:
     """Return the energies of a state with its placed charges; `field` is without them. See `Engine.energies`."""
-    particles = state.particles
-    position, reach = particles.position, REPULSION_REACH * parameters.d_min
-    cells = repulsion_cells(particles, field, parameters.d_min)
-    pairs = _pair_energy(cells, position, particles.normal, particles.on_surface, reach)
-    fixed = interpolate_field(field.potential[None], position / field.pitch).sum() / field.slope
-    placed = placed_potential(state.placed, charge_radius_at(state.scale), position).sum()
-    mutual = PAIR_FORCE * parameters.w1 * parameters.d_min**3 * pairs
-    in_volume = 4.0**state.scale
-    return Energies(kinetic_energy(state), in_volume * (mutual + parameters.w2 * float(fixed + placed)))
-
-
-@compiled
-def _pair_energy(cells: VolumeCells, position: Array, normals: Array, seated: Mask, reach: float) -> float:
-    """Return the sum of ``(1/r^2 - 1/R^2) / 2`` over the pairs nearer than the reach R on the same sheet or on none."""
-    total, found = 0.0, near_buffer(cells)
-    for i in range(len(position)):
-        place = row_of(position, i)
-        for n in range(find_near(cells, place, reach, found)):
-            k = found[n]
-            away = subtract_vectors(place, row_of(cells.place, k))
-            if cells.order[k] < i and on_same_surface(i, cells.order[k], normals, seated):
-                total += 0.5 * (1.0 / max(dot(away, away), MIN_SQUARED_DISTANCE) - 1.0 / (reach * reach))
-    return total
+    rule = act_on_each_other(state.particles.normal, state.particles.on_surface)
+    return measure_energies(state, field, parameters, field.pitch, REPULSION_REACH * parameters.d_min, rule)

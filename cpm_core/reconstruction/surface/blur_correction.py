@@ -12,7 +12,6 @@ import numpy as np
 import scipy
 
 from cpm_core.field.interpolation import interpolate_field
-from cpm_core.field.volume_edges import EdgeBricks
 from cpm_core.numerics.types import Array, Single
 from cpm_core.reconstruction.surface.local_threshold import LocalThresholds
 
@@ -34,7 +33,7 @@ def blurred_edge_width(smoothing: float) -> float:
 
 
 def measure_local_thresholds(
-    volume: Single, edges: EdgeBricks, points: Array, size: Array, width: float
+    volume: Single, edges: Single, points: Array, size: Array, width: float
 ) -> tuple[LocalThresholds, Array]:
     """Measure the thresholds and slopes of particles on a ridge, shape (N, 3) [voxels], and their normals (N, 3).
 
@@ -45,7 +44,7 @@ def measure_local_thresholds(
     curved, shift = _tube_shift_table()
     off = (np.sign(bent) * np.interp(np.abs(width * bent), curved, shift)).sum(1)  # in widths of the smoothed step
     thresholds = interpolate_gray(volume, points + (width * off)[:, None] * normals / size)
-    return LocalThresholds(points, thresholds, edges.strengths_at(tuple(size.tolist()), points * size)), normals
+    return LocalThresholds(points, thresholds, interpolate_gray(edges, points)), normals
 
 
 def _normals_and_curvatures(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:

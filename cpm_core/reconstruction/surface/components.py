@@ -6,8 +6,7 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.grids import ConnectedParts, Labels, find_connected_parts
-from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.types import Array, Index, Mask, Sides, Single
 
 _NEIGHBOR_RANK = 4
@@ -106,8 +105,14 @@ def vote_on_unknown_regions(height: Single) -> tuple[ConnectedParts, Index]:
     """Find regions of NaN in a height, shape (P, R, C), and for each the surplus of voxels around above zero."""
     set_border_voxels(height, np.inf)
     parts = find_connected_parts(np.isnan(height), corners=False)
+    side = np.where(np.isfinite(height), np.where(height > 0.0, np.int8(1), np.int8(-1)), np.int8(0))
     votes = np.zeros(parts.count, np.int64)
-    _count_votes(parts.begin, parts.first, parts.end, parts.part, height, votes)
+    for p in range(1, len(height) - 1):
+        around = side[p - 1] + side[p + 1]
+        around[1:-1] += side[p, :-2] + side[p, 2:]
+        around[:, 1:-1] += side[p, :, :-2] + side[p, :, 2:]
+        inside = parts.labels[p] > 0
+        votes += np.bincount(parts.labels[p][inside] - 1, around[inside], parts.count).astype(np.int64)
     return parts, votes
 
 
@@ -115,22 +120,3 @@ def set_border_voxels(height: Single, value: float) -> None:
     """Set the outermost voxels of a height, shape (P, R, C)."""
     for axis in range(3):
         np.moveaxis(height, axis, 0)[[0, -1]] = value
-
-
-@compiled
-def _count_votes(begin: Index, first: Labels, end: Labels, part: Index, height: Single, votes: Index) -> None:
-    """Count, for each part, the surplus of the voxels around it that lie above zero over those below."""
-    rows = height.shape[1]
-    for row in range(len(begin) - 1):
-        p, r = row // rows, row % rows
-        for n in range(begin[row], begin[row + 1]):
-            total = _sign_of_height(height[p, r, first[n] - 1]) + _sign_of_height(height[p, r, end[n]])
-            for c in range(first[n], end[n]):
-                total += _sign_of_height(height[p - 1, r, c]) + _sign_of_height(height[p + 1, r, c])
-                total += _sign_of_height(height[p, r - 1, c]) + _sign_of_height(height[p, r + 1, c])
-            votes[part[n]] += total
-
-
-@compiled
-def _sign_of_height(value: np.float32) -> int:
-    return (1 if value > 0.0 else -1) if np.isfinite(value) else 0

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
-from cpm_core.field.volume_edges import EdgeBricks
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.field.volume_surface import project_all_to_ridge
 from cpm_core.numerics.grids import bridge_corner_contacts, zero_surface
@@ -47,7 +46,7 @@ _MIN_PARTICLES = 4
 
 def find_surface(
     volume: Single,
-    edges: EdgeBricks,
+    edges: Single,
     points: Array,
     spacing: Sides = (1.0, 1.0, 1.0),
     unit: str | None = None,
@@ -92,7 +91,7 @@ def find_surface(
 
 
 def find_local_thresholds(
-    volume: Single, edges: EdgeBricks, points: Array, size: Array, smoothing: float
+    volume: Single, edges: Single, points: Array, size: Array, smoothing: float
 ) -> tuple[LocalThresholds, Array]:
     """Move particles, shape (N, 3) [voxels], to the ridge; return their thresholds, and their normals away from bright.
 

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import PRESETS
-from cpm_core.field.volume_edges import VolumeSlopes
 from cpm_core.field.volume_field import VolumeField, build_volume_field
 from cpm_core.model.coverage import cover_surfaces, no_surface_coverage
 from cpm_core.model.volume.births import find_surface_insertions, select_spaced, select_surface_survivors
@@ -88,7 +87,7 @@ def repulsion(some, i, d_min):
 @given(seeds, spacings)
 def test_near_pairs_on_one_sheet_repel_each_other_and_no_others(seed, d_min):
     nothing = np.zeros(SHAPE, np.float32)
-    field = VolumeField(VolumeSlopes.from_volume(nothing, (1.0, 1.0, 1.0)), (1.0, 1.0, 1.0), 0.0, 1.0, 1.0)
+    field = VolumeField(nothing, nothing, (1.0, 1.0, 1.0), 0.0, 1.0, 1.0)
     some, law = crowd(seed), PRESETS["volume"]
     every = np.arange(len(some))
     law = type(law)(w1=law.w1, w2=law.w2, beta=law.beta, d_min=d_min, scales=1)

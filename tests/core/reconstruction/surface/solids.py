@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import KDTree
 
-from cpm_core.field.volume_edges import EdgeBricks, VolumeSlopes
+from cpm_core.field.edge_map import volume_edge_map
 from cpm_core.numerics.grids import zero_surface
 from cpm_core.reconstruction.surface.pipeline import find_surface
 
@@ -62,7 +62,7 @@ class Scene(NamedTuple):
     """A volume, smoothed, with its edge map and particles [voxels]."""
 
     volume: np.ndarray
-    edges: EdgeBricks
+    edges: np.ndarray
     points: np.ndarray
     spacing: tuple
 
@@ -78,7 +78,7 @@ def scene(solid, spacing=(1.0, 1.0, 1.0), noise=0.0, dark=False, apart=1.8, foun
         gray = 200.0 - gray
     size = np.array(spacing) / min(spacing)
     smooth = gaussian_filter(gray, 1.0 / size).astype(np.float32)
-    edges = EdgeBricks.from_slopes(VolumeSlopes.from_volume(smooth, tuple(size)), 1.0)
+    edges = volume_edge_map(smooth, tuple(size))
     points = thinned(zero_surface((found or solid)(grid()).astype(np.float32))[0], apart) / np.array(spacing)
     inside = ((points >= 0.0) & (points <= np.array(gray.shape) - 1.0)).all(1)
     return Scene(smooth, edges, points[inside], spacing)
