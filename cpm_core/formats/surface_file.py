@@ -109,7 +109,7 @@ def decode_surface(
     content: bytes, name: str, image: Image | None = None, space: Convention | None = None
 ) -> tuple[Surface, Texts]:
     """Decode a surface from the content of a file of triangles, and list what was assumed."""
-    with explain_decoding_errors(name, "is damaged, or no surface of this kind: write it again."):
+    with explain_decoding_errors(name, "is damaged or no surface of this kind: write it again."):
         found = _MESH_READERS[Path(name).suffix.lower()][1](content)
     place, notes = find_voxel_transform(content[:_COORDINATE_HEAD_SIZE].decode("latin-1"), image, space)
     faces = found.faces[:, ::-1] if place.is_mirrored else found.faces
@@ -163,7 +163,7 @@ def _read_label_surfaces(file: Path, image: Image | None) -> tuple[Surface, Text
 
 def read_overlapping_parts(file: Path) -> Iterable[tuple[Label, Sequence[DecodedImage]]]:
     """Read the segments of a file that may overlap, as masks with positions of their own; empty for label volumes."""
-    with explain_decoding_errors(file.name, "is damaged: get a sound copy of it."):
+    with explain_image_errors(file):
         return dicom_seg.read_dicom_seg(file) or nrrd.read_overlapping_segments(file, nrrd.read_segments(file)) or ()
 
 
@@ -174,7 +174,7 @@ def read_aligned_labels(file: Path, volume: Image) -> tuple[Array, Texts]:
     of `volume`. ValueError when the file cannot be read, has another size, or lies elsewhere in space.
     """
     stack = open_stack(file)
-    with explain_decoding_errors(file.name, "is damaged: get a sound copy of it."):
+    with explain_image_errors(file):
         found = read_volume(stack, Reading())
     values = np.zeros(volume.shape)
     _add_aligned_labels(found, file.name, volume, values)

@@ -52,6 +52,9 @@ from cpm_core.numerics.types import Callback, JsonDict
 class ImageReader(Protocol):
     """A module that reads one format of images."""
 
+    FORMAT: str
+    """Name of the format, with an article."""
+
     FILE_KINDS: dict[str, str]
     """Suffix -> kind of file."""
 
@@ -243,7 +246,7 @@ def load_pages(
     (2, (64, 64))
     """
     file, reading = find_local_file(path), Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
-    with _explain_errors(file):
+    with explain_image_errors(file):
         stack = _open_file(file, reading)
     sha256 = _hash_file(file, check_cancelled)
     axes: tuple[tuple[str, PageAxis, int], ...] = (
@@ -256,7 +259,7 @@ def load_pages(
     def read_page(number: int) -> Image:
         chosen: JsonDict = {name: number}
         one = replace(reading, **chosen)
-        with _explain_errors(file):
+        with explain_image_errors(file):
             decoded = read_plane(stack, one)
         return _build_image(decoded, file, one, sha256)
 
@@ -295,14 +298,14 @@ def open_stack(path: AnySource, series: int | str | None = None) -> Stack:
         As for `load_volume`; `UnreadableError` when an archive holds several images and none is chosen.
     """
     file = find_local_file(path)
-    with _explain_errors(file):
+    with explain_image_errors(file):
         return _open_file(file, Reading(series=series))
 
 
 def open_levels(path: AnyPath, reading: Reading) -> MultiscaleImage | None:
     """Open all resolutions of an image that is read in parts; None for other images."""
     file = Path(path)
-    with _explain_errors(file):
+    with explain_image_errors(file):
         return _open_file(file, reading).levels
 
 
@@ -315,7 +318,7 @@ def _load_part(
     file: Path, reading: Reading, read_part: Callable[[Stack, Reading], DecodedImage], check_cancelled: Callback | None
 ) -> Image:
     """Load a part of a file as an image, hashing the file meanwhile."""
-    with ThreadPoolExecutor(1) as other, _explain_errors(file):
+    with ThreadPoolExecutor(1) as other, explain_image_errors(file):
         stack = _open_file(file, reading)
         sha256 = other.submit(_hash_file, file, check_cancelled)
         decoded = read_part(stack, reading)
@@ -346,12 +349,30 @@ def _hash_file(file: Path, check_cancelled: Callback | None) -> str:
     return "" if os.path.isdir(file) else compute_fingerprint(file, check_cancelled)  # noqa: PTH112 - raises nothing
 
 
-def _explain_errors(file: Path) -> AbstractContextManager[None]:
-    """Explain decoding errors of a file in a sentence."""
-    return explain_decoding_errors(
-        make_printable(file.name),
-        "is damaged, cut short or of an unknown kind: get a sound copy of it, or save it again as PNG or TIFF.",
-    )
+def explain_image_errors(file: Path) -> AbstractContextManager[None]:
+    """Explain decoding errors of a file in a sentence, which calls it what its content or its name says."""
+
+    def describe() -> str:
+        reader = _find_reader(file)
+        if reader is raster:
+            return "is damaged, cut short or of an unknown kind: get a sound copy of it, or save it again as PNG or TIFF."
+        return (
+            f"is damaged or cut short, or {reader.FORMAT} of an unknown kind: get a sound copy of it, or save it again "
+            "with the program that made it."
+        )
+
+    return explain_decoding_errors(make_printable(file.name), describe)
+
+
+def _find_reader(file: Path) -> ImageReader:
+    """Find the reader of a file that cannot be read: by its content, or where that says nothing by its name."""
+    try:
+        head = read_content(file, head_size=_SIGNATURE_SIZE)
+        reader = next(reader for reader in _IMAGE_READERS if reader.can_read(head, file))
+    except ValueError:  # a folder
+        reader = raster
+    named = (one for one in _IMAGE_READERS if file.name.lower().endswith(tuple(one.FILE_KINDS)))
+    return next(named, raster) if reader is raster else reader
 
 
 def _find_header(file: Path) -> Path:

@@ -113,7 +113,7 @@ def test_other_files_of_the_folder_do_not_matter_and_damaged_ones_are_told(tmp_p
     (tmp_path / "s" / "bad.dcm").write_bytes(content[:150] + b"\xff" * 60)
     volume = load_volume(tmp_path / "s")
     assert volume.shape == SHAPE
-    assert volume.notes in ((), ("1 of its files is damaged and left out.",))
+    assert volume.notes in ((), ("1 of its files was left out, which cannot be read.",))
 
 
 def test_without_positions_slices_come_in_the_order_of_their_numbers(tmp_path):
