@@ -29,12 +29,13 @@ def check_color(what: str, color: str) -> None:
 
 @frozen
 class Label:
-    """Name, color, ``"#rrggbb"``, and name of the class of the object with a number; each may be empty."""
+    """Name, color, ``"#rrggbb"``, and name of the class of the object with a number, each may be empty; confidence."""
 
     number: int
     name: str = ""
     color: str = ""
     category: str = ""
+    confidence: float | None = None
 
     def __post_init__(self) -> None:
         check_color("a label", self.color)

@@ -15,7 +15,7 @@ from cpm_core.contours.surface import Surface, join_surfaces, surface_from_label
 from cpm_core.formats.common.atomic import find_suffix
 from cpm_core.formats.common.content import AnySource, explain_decoding_errors, find_local_file, read_content
 from cpm_core.formats.images.decoded import DecodedImage
-from cpm_core.formats.images.readers import IMAGES_READABLE, load_volume, open_stack
+from cpm_core.formats.images.readers import IMAGES_READABLE, explain_image_errors, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import read_volume
 from cpm_core.formats.masks import dicom_seg, itk_snap, nrrd
@@ -186,7 +186,8 @@ def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Ar
 
     `into` has the shape of `volume`. ValueError when labels lie elsewhere in space, or have another size.
     """
-    values: Array = np.asarray(labels.values, float)
+    with np.errstate(invalid="ignore"):  # a NaN may be one that warns
+        values: Array = np.asarray(labels.values, float)
     part: tuple[slice, ...] = (slice(None),) * 3
     if labels.geometry is not None and volume.geometry is not None:
         qform, _ = geometry_from_affine(volume.geometry.qform_affine(volume.spacing)[:, [2, 1, 0, 3]], "LPS")
@@ -219,7 +220,8 @@ def _align_labels(
     """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
-    values: Array = np.asarray(labels.values, float)
+    with np.errstate(invalid="ignore"):  # a NaN may be one that warns
+        values: Array = np.asarray(labels.values, float)
     part: tuple[slice, ...] = (slice(None),) * 3
     spacing = labels.spacing
     if len(values) == 1:  # a slice, as thick as those of the volume

@@ -236,6 +236,9 @@ def find_shown_range(values: Array) -> tuple[float, float]:
     usual = np.percentile(sample, [_LOW_PERCENTILE, _HIGH_PERCENTILE])
     if max(usual[0] - low, high - usual[1]) > usual[1] - usual[0]:
         low, high = find_gray_ends(values).usable
+        span = high - low
+        low = float(values.min(where=values >= low - span, initial=values.dtype.type(high)))
+        high = float(values.max(where=values <= high + span, initial=values.dtype.type(low)))
     if len(np.unique(sample)) < _MIN_SHADES:
         return low, high
     darkest, brightest = values.dtype.type(low), values.dtype.type(high)

@@ -42,6 +42,9 @@ _AXIS_COUNTS = {2: "two", 3: "three"}
 """Number of axes -> word for it."""
 
 
+_CT_AIR = -1000.0
+"""Gray level of air [Hounsfield units]."""
+
 _CT_AIR_RANGE = (-3072.0, -900.0)
 """Range of the least gray level of a CT image whose file does not name one."""
 
@@ -221,13 +224,15 @@ class Image(drawing.Pictured):
     def is_ct(self) -> bool:
         """Whether gray levels are Hounsfield units: by the file, or by a place in space and the gray level of air.
 
-        Air has -1000 units. Outside of the scanner's circle the least level is at most as low as 12 bits of them. A
-        level below 0 that no other follows is padding.
+        Air has -1000 units. Outside of the scanner's circle the least level is at most as low as 12 bits of them. One
+        below that of air which no other below 0 follows is padding.
         """
         if self.hounsfield is not None or self.geometry is None or self.colors is not None:
             return bool(self.hounsfield)
         (lowest, highest), darkest = _CT_AIR_RANGE, self.shown_range[0]
-        return lowest <= darkest <= highest and bool(self.stored.min(where=self.stored > darkest, initial=0) < 0)
+        if not lowest <= darkest <= highest:
+            return False
+        return darkest >= _CT_AIR or bool(self.stored.min(where=self.stored > darkest, initial=0) < 0)
 
     def with_spacing(self, spacing: Sides, unit: str | None, factor: float = 1.0) -> Image:
         """Return the image with another size of a pixel and shared gray levels; ValueError as for an image.

@@ -315,7 +315,13 @@ def build_objects_result(document: Document, only: Container[int] | None = None)
     surface = join_object_surfaces(shown, image.spacing, image.unit)
     if surface is not None:
         labels = (
-            Label(item.number, _object_label(objects, item), objects.color_of(item), _class_label(objects, item))
+            Label(
+                item.number,
+                _object_label(objects, item),
+                objects.color_of(item),
+                _class_label(objects, item),
+                item.confidence or None,
+            )
             for item in shown
         )
         surface = replace(surface, labels=tuple(labels))
