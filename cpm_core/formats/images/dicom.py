@@ -272,6 +272,7 @@ def _unpack_pixels(dataset: Any, frame: DicomFrame, name: str) -> Numbers:
         return np.asarray(pixel_array(dataset, index=frame.index))
     except Exception as error:  # decoders raise exceptions of any kind; another package may be able to decode it
         syntax = dataset.file_meta.TransferSyntaxUID
+        colors = dataset.get("PhotometricInterpretation")
         codec = (
             _JPEG_DECODERS.get(str(syntax).removeprefix(_JPEG_SYNTAX_PREFIX))
             if str(syntax).startswith(_JPEG_SYNTAX_PREFIX)
@@ -282,7 +283,8 @@ def _unpack_pixels(dataset: Any, frame: DicomFrame, name: str) -> Numbers:
                 f"{name} is packed as {make_printable(str(syntax.name))[:80]}, which is not read: "
                 "save it without packing."
             ) from error
-        colored = int(dataset.get("SamplesPerPixel", 1)) != 1 and dataset.get("PhotometricInterpretation") != "RGB"
+        unpacked = ("RGB", "YBR_RCT", "YBR_ICT")  # the last two by JPEG 2000 itself
+        colored = int(dataset.get("SamplesPerPixel", 1)) != 1 and colors not in unpacked
         if codec is None or colored:
             raise
     import imagecodecs  # only here, because it takes long to import

@@ -83,6 +83,7 @@ _SIGNATURE_SIZE = 512
 _FOREIGN_SIGNATURES: tuple[tuple[int, bytes, str], ...] = (
     (0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an OIB or ZVI file of a microscope, or a document"),
     (0, b"\x89HDF\r\n\x1a\n", "an HDF5 file"),
+    (0, b"CDF", "a MINC or NetCDF file"),
     (0, b"MATLAB 5.0 MAT-file", "a MATLAB file"),
     (4, b"ftyphei", "a HEIC picture"),
     (4, b"ftyp", "a video"),

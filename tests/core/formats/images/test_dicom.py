@@ -339,6 +339,14 @@ def test_colors_that_pydicom_does_not_unpack_are_unpacked_by_imagecodecs(tmp_pat
     assert np.array_equal(load_image(tmp_path / "a.dcm").colors.samples, colors)
 
 
+def test_colors_that_jpeg_2000_has_turned_are_those_of_the_file():
+    pytest.importorskip("imagecodecs")
+    image = load_image(pydicom.data.get_testdata_file("GDCMJ2K_TextGBR.dcm"))
+    shades, counts = np.unique(image.colors.samples.reshape(-1, 3), axis=0, return_counts=True)
+    most = {tuple(shade) for shade in shades[np.argsort(-counts)[:4]].tolist()}
+    assert most == {(128, 128, 128), (255, 0, 0), (0, 255, 0), (0, 0, 255)}
+
+
 @pytest.mark.parametrize(
     ("modality", "kind", "found"), [("CT", None, True), ("CT", "HU", True), ("CT", "US", False), ("MR", None, False)]
 )
