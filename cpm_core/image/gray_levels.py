@@ -228,8 +228,8 @@ def sample_values(values: Array) -> Array:
 def find_shown_range(values: Array) -> tuple[float, float]:
     r"""Find the gray levels, of values of shape (\*shape), that are shown as black and as white.
 
-    That is all of them, but for specks (`find_gray_ends`), and for a single level at either end, such as padding writes,
-    that are farther from all else than all else spans.
+    That is all of them but specks (`find_gray_ends`) and a single level at either end, as of padding, that are farther
+    from all else than all else spans.
     """
     low, high = float(values.min()), float(values.max())
     sample = sample_values(values)

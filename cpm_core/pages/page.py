@@ -103,8 +103,8 @@ class StackResult:
                 on.setdefault(contour.number, {})[page.number] = None
         events = [event for page in self.pages for event in page.events]
         origins = find_origins(events)
-        begun: dict[int, EventKind] = {event.track: event.kind for event in events if event.kind in ("begins", "enters")}
-        begun |= {track: "splits" for track in origins}
+        begun: dict[int, EventKind] = dict.fromkeys(origins, "splits")
+        begun |= {event.track: event.kind for event in events if event.kind in ("begins", "enters")}
         ends = {event.track: event for event in events if event.kind in ("merges", "ends", "leaves")}
         first = min((page for pages in on.values() for page in pages), default=0)
         return tuple(

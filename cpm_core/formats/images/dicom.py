@@ -25,8 +25,6 @@ from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Numbers, Texts
 from cpm_core.parameters.formatting import quote_value
 
-FORMAT = "a DICOM file"
-
 FILE_KINDS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
 
 _DICOM_MARK = b"DICM"

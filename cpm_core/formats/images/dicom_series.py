@@ -122,7 +122,7 @@ DecodeFrames = Callable[[Sequence[DicomFrame]], DecodedImage]
 
 
 def read_file_frames(pydicom: Any, path: Path) -> list[DicomFrame]:
-    """Read the frames of a file, none if it has no pixels or is a slide in tiles; a damaged file raises any exception."""
+    """Read the frames of a file, none without pixels or of a slide in tiles; a damaged file raises any exception."""
     header = pydicom.dcmread(path, stop_before_pixels=True, force=True, specific_tags=list(_HEADER_TAGS))
     if "Rows" not in header or "Columns" not in header or "TotalPixelMatrixRows" in header:
         return []

@@ -12,6 +12,7 @@ from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.multiscale import MultiscaleImage
 from cpm_core.formats.images.reading import Reading, select_series
+from cpm_core.numerics.grids import relative_window, window_shape
 from cpm_core.numerics.types import Extent, Index, Numbers, frozen
 
 _SLIDE_TAGS = (
@@ -61,30 +62,27 @@ class _SlideLevel:
 
     def __getitem__(self, index: tuple[int | slice, ...]) -> Numbers:
         """Read a part of one optical path; what no tile covers is white, or without color black."""
-        from pydicom.pixels import iter_pixels
+        from pydicom.pixels.utils import iter_pixels
 
-        path, planes, rows, columns = index[0], *(self._range(index, axis) for axis in (1, 2, 3))
+        wanted = tuple(
+            slice(*side.indices(length)[:2])
+            for side, length in zip(index[1:4], self.shape[1:4], strict=True)
+            if isinstance(side, slice)
+        )
         empty = np.iinfo(self.dtype).max if len(self.shape) > 4 else 0
-        part = np.full((len(planes), len(rows), len(columns), *self.shape[4:]), empty, self.dtype)
-        near = (self.places[:, 0] == path) & (self.places[:, 1] >= planes.start) & (self.places[:, 1] < planes.stop)
-        for axis, (side, length) in enumerate(zip((rows, columns), self.tile, strict=True), start=2):
-            near &= (self.places[:, axis] < side.stop) & (self.places[:, axis] + length > side.start)
+        part = np.full((*window_shape(wanted), *self.shape[4:]), empty, self.dtype)
+        begin, end = self.places[:, 1:], self.places[:, 1:] + (1, *self.tile)
+        first, last = np.array([(side.start, side.stop) for side in wanted]).T
+        near = (self.places[:, 0] == index[0]) & ((begin < last) & (end > first)).all(axis=1)
         frames = np.flatnonzero(near).tolist()
         for frame, pixels in zip(frames, iter_pixels(self.path, indices=frames) if frames else (), strict=True):
-            _, plane, top, left = (int(at) for at in self.places[frame])
-            shown, seen = [], []
-            for begin, side, length in zip((top, left), (rows, columns), self.tile, strict=True):
-                first, end = max(begin, side.start), min(begin + length, side.stop)
-                shown.append(slice(first - side.start, end - side.start))
-                seen.append(slice(first - begin, end - begin))
-            part[(plane - planes.start, *shown)] = pixels[tuple(seen)]
+            tile = tuple(map(slice, begin[frame].tolist(), end[frame].tolist()))
+            common = tuple(
+                slice(max(one.start, other.start), min(one.stop, other.stop))
+                for one, other in zip(tile, wanted, strict=True)
+            )
+            part[relative_window(common, wanted)] = pixels[None][relative_window(common, tile)]
         return part
-
-    def _range(self, index: tuple[int | slice, ...], axis: int) -> range:
-        """Return the numbers that an index selects along an axis."""
-        side = index[axis]
-        assert isinstance(side, slice)
-        return range(*side.indices(self.shape[axis]))
 
 
 def open_slide(name: str, chosen: Path, files: Iterable[Path], reading: Reading) -> MultiscaleImage | None:
@@ -107,7 +105,7 @@ def open_slide(name: str, chosen: Path, files: Iterable[Path], reading: Reading)
         name,
         tuple(level for level in arrays if len(level.shape) == len(arrays[0].shape)),
         "czyxs"[: len(arrays[0].shape)],
-        (deep or spacing[0], *spacing),
+        (deep or spacing[0], spacing[0], spacing[1]),
         unit,
         tuple(titles.values()) if len(titles) > 1 else (),
         number,

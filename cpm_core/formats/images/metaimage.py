@@ -16,8 +16,6 @@ from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import Stack, check_memory, decode_header_line, find_data_file
 from cpm_core.numerics.types import JsonDict, Numbers
 
-FORMAT = "a MetaImage volume"
-
 FILE_KINDS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
 
 _HEADER_BEGINNINGS = (b"ObjectType", b"NDims", b"ObjectSubType", b"Comment")

@@ -17,8 +17,6 @@ from cpm_core.formats.images.reading import Reading, select_series
 from cpm_core.formats.images.stack import Stack
 from cpm_core.numerics.types import Numbers
 
-FORMAT = "a file of a microscope"
-
 FILE_KINDS = {".czi": "CZI file of Zeiss", ".lif": "LIF file of Leica", ".nd2": "ND2 file of Nikon"}
 
 _STORED_ROLES = ("plane", "row", "col", "color")

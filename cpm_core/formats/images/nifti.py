@@ -25,8 +25,6 @@ from cpm_core.image.geometry import Geometry, Triple, freeze_matrix
 from cpm_core.numerics.types import Array, Texts
 from cpm_core.parameters.formatting import quote_value
 
-FORMAT = "a NIfTI or Analyze volume"
-
 FILE_KINDS = {
     ".nii": "NIfTI volume",
     ".nii.gz": "the same, compressed",

@@ -25,8 +25,6 @@ from cpm_core.formats.images.stack import (
 from cpm_core.numerics.types import Array, Numbers
 from cpm_core.parameters.formatting import quote_value
 
-FORMAT = "an NRRD volume"
-
 FILE_KINDS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
 
 _AXIS_ROLES = ("time", "channel", "plane", "row", "col", "color")

@@ -17,8 +17,6 @@ from cpm_core.formats.images.stack import Stack, check_memory
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Extent, Numbers, Texts
 
-FORMAT = "a NumPy array"
-
 FILE_KINDS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
 
 _ZIP_MAGIC = b"PK\x03\x04"

@@ -25,8 +25,6 @@ from cpm_core.formats.images.decoded import (
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import Stack, stack_planes
 
-FORMAT = "a picture"
-
 FILE_KINDS = {
     ".png": "PNG picture",
     ".jpg": "JPEG picture",

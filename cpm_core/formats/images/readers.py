@@ -52,9 +52,6 @@ from cpm_core.numerics.types import Callback, JsonDict
 class ImageReader(Protocol):
     """A module that reads one format of images."""
 
-    FORMAT: str
-    """Name of the format, with an article."""
-
     FILE_KINDS: dict[str, str]
     """Suffix -> kind of file."""
 
@@ -65,17 +62,17 @@ class ImageReader(Protocol):
         """Open a file of one or several planes; a damaged one may raise any exception."""
 
 
-_IMAGE_READERS: tuple[ImageReader, ...] = (
-    dicom,
-    tiff,
-    microscopy,
-    numpy_array,
-    nifti,
-    nrrd,
-    metaimage,
-    raster,
-)
-"""Readers in the order they are tried: DICOM files may begin like TIFF, and the last one takes what no other reads."""
+_IMAGE_READERS: dict[ImageReader, str] = {
+    dicom: "a DICOM file",
+    tiff: "a TIFF",
+    microscopy: "a file of a microscope",
+    numpy_array: "a NumPy array",
+    nifti: "a NIfTI or Analyze volume",
+    nrrd: "an NRRD volume",
+    metaimage: "a MetaImage volume",
+    raster: "a picture",
+}
+"""Readers in the order they are tried -> what they read; DICOM may begin like TIFF, and the last takes the rest."""
 
 _SIGNATURE_SIZE = 512
 """Bytes that identify a format; signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
@@ -353,16 +350,16 @@ def _hash_file(file: Path, check_cancelled: Callback | None) -> str:
 def explain_image_errors(file: Path) -> AbstractContextManager[None]:
     """Explain decoding errors of a file in a sentence, which calls it what its content or its name says."""
 
-    def describe() -> str:
-        reader = _find_reader(file)
+    def describe_damage() -> str:
+        reader, advice = _find_reader(file), "get a sound copy of it, or save it again"
         if reader is raster:
-            return "is damaged, cut short or of an unknown kind: get a sound copy of it, or save it again as PNG or TIFF."
+            return f"is damaged, cut short or of an unknown kind: {advice} as PNG or TIFF."
         return (
-            f"is damaged or cut short, or {reader.FORMAT} of an unknown kind: get a sound copy of it, or save it again "
-            "with the program that made it."
+            f"is damaged or cut short, or {_IMAGE_READERS[reader]} of an unknown kind: {advice} with the program that "
+            "made it."
         )
 
-    return explain_decoding_errors(make_printable(file.name), describe)
+    return explain_decoding_errors(make_printable(file.name), describe_damage)
 
 
 def _find_reader(file: Path) -> ImageReader:

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
-FORMAT = "a TIFF"
-
 FILE_KINDS = {
     ".tif": "TIFF image or stack",
     ".tiff": "TIFF image or stack",

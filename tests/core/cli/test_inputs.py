@@ -38,5 +38,5 @@ def test_an_address_stands_for_a_copy_of_its_file(folder):
     (copy,) = expand_paths(["memory://plate/b.npy"])
     assert copy.endswith("b.npy")
     assert np.array_equal(np.load(copy), np.eye(12))
-    with pytest.raises(ValueError, match="memory://none.npy cannot be read"):
+    with pytest.raises(ValueError, match=r"memory://none\.npy cannot be read"):
         expand_paths(["memory://none.npy"])

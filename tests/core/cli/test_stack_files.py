@@ -11,8 +11,8 @@ import shapely
 import tifffile
 
 import cpm_core as cpm
-from cpm_core.formats.stack_files import export_stack
 from cpm_core.contours.contour import Contour
+from cpm_core.formats.stack_files import export_stack
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.pages.tracks import Tracker
 from cpm_core.results.result import Result

@@ -8,8 +8,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.image.gray_levels import NO_DATA_VALUE, find_gray_ends, find_shown_range, limit_specks, make_usable, merge_gray_ends
 from cpm_core.image.geometry import Geometry
+from cpm_core.image.gray_levels import (
+    NO_DATA_VALUE,
+    find_gray_ends,
+    find_shown_range,
+    limit_specks,
+    make_usable,
+    merge_gray_ends,
+)
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 

@@ -56,8 +56,10 @@ def test_in_an_image_with_a_pixel_size():
     coco = json.loads(to_bytes(result, ".coco.json"))
     instances = {one["id"]: one for one in coco["annotations"]}
     categories = {one["id"]: one["name"] for one in coco["categories"]}
-    features = {one["properties"]["name"]: one["properties"] for one in json.loads(to_bytes(result, ".geojson"))["features"]}
-    for number, name, kind, pixels, confidence in ((3, "frame", "object", 552, 0.75), (7, "nucleus 7", "nucleus", 99, 0.6)):
+    annotated = [one["properties"] for one in json.loads(to_bytes(result, ".geojson"))["features"]]
+    features = {one["name"]: one for one in annotated}
+    expected = (3, "frame", "object", 552, 0.75), (7, "nucleus 7", "nucleus", 99, 0.6)
+    for number, name, kind, pixels, confidence in expected:
         area = pixels * math.prod(sides)
         assert panel[number]["area"] == pytest.approx(area)
         assert float(rows[number]["area_um2"]) == pytest.approx(area)

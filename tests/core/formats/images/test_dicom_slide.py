@@ -26,7 +26,7 @@ def item(**entries):
 
 
 def write_level(path, pixels, side=0.5, series="1.2.3", kind="VOLUME", sparse=None, packed=False, paths=1, **changes):
-    """Write the tiles of pixels, shape (H, W[, 3]), or of several optical paths; `sparse` tells which of them to write."""
+    """Write the tiles of pixels, shape (H, W[, 3]), or of several optical paths; `sparse` tells which of them."""
     layers = pixels if paths > 1 else pixels[None]
     rows, cols = layers.shape[1:3]
     tiles, places = [], []
