@@ -122,8 +122,7 @@ def join_objects(nothing: Result, selections: Sequence[Selection], labels: Seque
     bodies, surface = [(to, one.surface) for to, one in parts if one.surface is not None], None
     if bodies:
         joined = join_surfaces([(to.number, body) for to, body in bodies], nothing.spacing, nothing.unit)
-        labels = [replace(to, confidence=float(one.confidence) or None) for to, one in parts if one.surface is not None]
-        surface = replace(joined, labels=tuple(labels))
+        surface = replace(joined, labels=tuple(to for to, _ in bodies))
     bridges = tuple(Bridge(gap, polyline.path_length(gap), 0.0) for one in selections for gap in one.gaps)
     return replace(nothing, contours=tuple(contours), bridges=bridges, surface=surface)
 

@@ -18,8 +18,8 @@ from cpm_app.session.features.object_rows import ObjectRow
 from cpm_app.views.panels.objects import build_object_columns
 
 from cpm_core import Image, to_bytes
-from cpm_core.contours.packed_surface import PackedVoxels, Voxels
 from cpm_core.image.geometry import Geometry
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 
 FIRST, SECOND, *OTHERS = SegmentedObjects().classes
@@ -46,8 +46,8 @@ def table(result):
 def test_in_an_image_with_a_pixel_size():
     sides = (0.5, 0.25)
     image = Image(np.random.default_rng(0).normal(100, 9, (60, 80)), sides, "µm", "cells.tif")
-    frame = SegmentedObject(3, (), (box(5, 5, 20, 30), box(10, 12, 6, 8)), (), 0.75, name="frame")
-    dot = SegmentedObject(7, (), (box(40, 50, 9, 11),), (), 0.6, category=2)
+    frame = SegmentedObject(3, (), Region((box(5, 5, 20, 30), box(10, 12, 6, 8))), (), 0.75, name="frame")
+    dot = SegmentedObject(7, (), Region((box(40, 50, 9, 11),)), (), 0.6, category=2)
     objects = SegmentedObjects((frame, dot), CLASSES)
     document = Document(ImageReference("cells.tif", "", image.shape, 9.0, "", sides, "µm"), objects=objects)
     result, panel = build_objects_result(document), columns_of_panel(objects, image)
@@ -81,10 +81,9 @@ def test_in_a_volume_of_uneven_voxels():
     away = np.sqrt(((plane - 9) * 2) ** 2 + ((row - 18) * 0.5) ** 2 + ((col - 20) * 0.75) ** 2)
     masks = {2: (away < 8) & (away > 3), 5: (abs(plane - 6) < 3) & (abs(row - 33) < 4) & (col > 40) & (col < 47)}
     image = Image(np.random.default_rng(0).normal(100, 9, plane.shape), sides, "mm", "head.nii", geometry=Geometry())
-    items = tuple(
-        SegmentedObject(number, (), confidence=confidence, category=category, surface=(body,))
-        for (number, mask), confidence, category in zip(masks.items(), (0.7, 0.9), (1, 2), strict=True)
-        for body in [PackedVoxels.from_voxels(Voxels(mask, (0, 0, 0)))]
+    items = (
+        SegmentedObject(2, (), Region.from_mask(masks[2])),
+        SegmentedObject(5, (), Region.from_mask(masks[5]), category=2),
     )
     objects = SegmentedObjects(items, CLASSES)
     document = Document(ImageReference("head.nii", "", image.shape, 9.0, "", sides, "mm"), objects=objects)
@@ -98,5 +97,5 @@ def test_in_a_volume_of_uneven_voxels():
         assert int((labels == number).sum()) == mask.sum()
         assert rows[number]["name"] == {2: "object 2", 5: "nucleus 5"}[number]
         assert rows[number]["class"] == {2: "object", 5: "nucleus"}[number]
-        assert panel[number]["confidence"] == pytest.approx(100 * objects[number].confidence)
-        assert float(rows[number]["confidence"]) == pytest.approx(objects[number].confidence)
+        assert panel[number]["confidence"] is None
+        assert rows[number]["confidence"] == ""
