@@ -28,7 +28,7 @@ _HEADER_TAGS = (
     "SequenceOfUltrasoundRegions",
     *("SliceThickness", "SpacingBetweenSlices", "ImagePositionPatient", "ImageOrientationPatient"),
     *("SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence", "GridFrameOffsetVector"),
-    *("DetectorInformationSequence", "SliceVector"),
+    *("DetectorInformationSequence", "SliceVector", "TotalPixelMatrixRows"),
     *("RescaleSlope", "RescaleIntercept", "RescaleType", "FrameTime", "FrameIncrementPointer"),
 )
 """Tags that are read from a header; reading all would take long for a folder of a thousand files."""
@@ -122,9 +122,9 @@ DecodeFrames = Callable[[Sequence[DicomFrame]], DecodedImage]
 
 
 def read_file_frames(pydicom: Any, path: Path) -> list[DicomFrame]:
-    """Read the frames of a file, none if it has no pixels; a damaged file raises ValueError or any other exception."""
+    """Read the frames of a file, none without pixels or of a slide in tiles; a damaged file raises any exception."""
     header = pydicom.dcmread(path, stop_before_pixels=True, force=True, specific_tags=list(_HEADER_TAGS))
-    if "Rows" not in header or "Columns" not in header:
+    if "Rows" not in header or "Columns" not in header or "TotalPixelMatrixRows" in header:
         return []
     count = int(header.get("NumberOfFrames", 1) or 1)
     own = header.get("PerFrameFunctionalGroupsSequence") or []

@@ -69,7 +69,7 @@ class Sections:
         seeds = scene.image_seeds
         return Scene(
             image,
-            self._display_slice(image, IntensityWindow(*volume.gray_range)),
+            self._display_slice(image, IntensityWindow(*volume.shown_range)),
             scene.shaded,
             document,
             places.get(scene.selected_shape),

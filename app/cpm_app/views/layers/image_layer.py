@@ -79,7 +79,10 @@ class ImageLayer(Layer):
             "range",
             tr("Range"),
             WHOLE_RANGE,
-            tr("Range of gray values; values below are black, values above are white."),
+            tr(
+                "Range of gray values; values below are black, values above are white. Hot pixels and padding far from "
+                "all others do not count."
+            ),
             {
                 WHOLE_RANGE: tr("All gray values"),
                 AUTOMATIC_RANGE: tr("All except 0.1 % at either end"),
@@ -103,7 +106,7 @@ class ImageLayer(Layer):
         enable_caching(self._item)
         self.add_items(self._item)
         self.gray_range = self.window = (0.0, 1.0)
-        """Smallest and largest gray value of the image; gray values shown as black and white."""
+        """Gray values shown as black and white at first, `Image.shown_range`; the same now."""
         self.window_bounds = self.gray_range
         """Bounds of a window set by hand: the gray range, of CT extended by the usual windows."""
 
@@ -158,7 +161,7 @@ class ImageLayer(Layer):
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
         whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
-            self.gray_range = self.window_bounds = self.window = whole.gray_range
+            self.gray_range = self.window_bounds = self.window = whole.shown_range
             if whole.is_ct:
                 low, high = zip(self.gray_range, *map(window_from_level, CT_WINDOWS.values()), strict=True)
                 self.window_bounds = min(low), max(high)

@@ -113,7 +113,7 @@ def test_other_files_of_the_folder_do_not_matter_and_damaged_ones_are_told(tmp_p
     (tmp_path / "s" / "bad.dcm").write_bytes(content[:150] + b"\xff" * 60)
     volume = load_volume(tmp_path / "s")
     assert volume.shape == SHAPE
-    assert volume.notes in ((), ("1 of its files is damaged and left out.",))
+    assert volume.notes in ((), ("1 of its files was left out, which cannot be read.",))
 
 
 def test_without_positions_slices_come_in_the_order_of_their_numbers(tmp_path):
@@ -337,6 +337,14 @@ def test_colors_that_pydicom_does_not_unpack_are_unpacked_by_imagecodecs(tmp_pat
     found["PixelData"].VR = "OB"
     found.save_as(tmp_path / "a.dcm")
     assert np.array_equal(load_image(tmp_path / "a.dcm").colors.samples, colors)
+
+
+def test_colors_that_jpeg_2000_has_turned_are_those_of_the_file():
+    pytest.importorskip("imagecodecs")
+    image = load_image(pydicom.data.get_testdata_file("GDCMJ2K_TextGBR.dcm"))
+    shades, counts = np.unique(image.colors.samples.reshape(-1, 3), axis=0, return_counts=True)
+    most = {tuple(shade) for shade in shades[np.argsort(-counts)[:4]].tolist()}
+    assert most == {(128, 128, 128), (255, 0, 0), (0, 255, 0), (0, 0, 255)}
 
 
 @pytest.mark.parametrize(
