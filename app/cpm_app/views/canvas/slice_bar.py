@@ -48,7 +48,7 @@ class SliceBar(PlaceBar):
 
     def show_keys(self) -> None:
         """Name the current keys in the tool tip."""
-        tip = tr("Move through the slices: {key:previous_slice} and {key:next_slice}, or Shift + wheel.")
+        tip = tr("Move through the slices: {key:previous_slice} and {key:next_slice}, or the wheel.")
         self.slider.setToolTip(insert_keys(tip))
 
     def show_slices(self, slices: Slices | None, image: Image | None) -> None:
