@@ -30,7 +30,8 @@ _CACHED_BODY_CUTS = 256
 @lru_cache(maxsize=_CACHED_SURFACE_CUTS)
 def cut_surface(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Cut a surface by a slice: closed contours in the slice, and open ones where the surface has a rim."""
-    return slice_surface(surface, cut.axis, cut.index)
+    lines = slice_surface(surface, cut.axis, cut.index)
+    return tuple(replace(line, points=line.points[:, ::-1]) for line in lines) if cut.transposed else lines
 
 
 _CLICK_DISTANCE = 1.0
@@ -52,7 +53,7 @@ def _iterate_boundary_lines(body: PackedBody, here: Slice) -> Iterable[Line]:
     if isinstance(body, PackedVoxels):
         first, shape = [*body.first], [*body.shape]
         first[here.axis], shape[here.axis] = here.index, 1
-        pixels = np.pad(body.mask_in_box(first, shape).any(axis=here.axis), 1)
+        pixels = np.pad(replace(here, index=0).slice_array(body.mask_in_box(first, shape)), 1)
         begin = np.array(here.drop_axis(tuple(first))) - 1.0
         curves = skimage.measure.find_contours(pixels.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
         for curve in curves:

@@ -13,13 +13,6 @@ from cpm_app.views.widgets.containers import create_flat_button, fill_layout
 from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core import Image
 
-_AXIS_TIPS = (
-    tr("Show planes: rows run down, columns to the right."),
-    tr("Show slices across the rows: planes run down, columns to the right."),
-    tr("Show slices across the columns: planes run down, rows to the right."),
-)
-"""Tool tips of the buttons of the axes."""
-
 
 class SliceBar(PlaceBar):
     """Axis, slider and number of the slice, and the voxel size; hidden while no volume is open."""
@@ -34,7 +27,7 @@ class SliceBar(PlaceBar):
         self.axes = [QToolButton() for _ in AXIS_NAMES]
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
-            button.setToolTip(_AXIS_TIPS[axis])
+            button.setToolTip(tr("Show slices across this axis: {axis}.").format(axis=AXIS_NAMES[axis]))
             button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXIS_NAMES[axis]))
             button.setCheckable(True)
             group.addButton(button, axis)
