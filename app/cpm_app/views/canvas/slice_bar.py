@@ -15,7 +15,7 @@ from cpm_core import Image
 
 
 class SliceBar(PlaceBar):
-    """Axis, slider and number of the slice, and the voxel size; hidden while no volume is open."""
+    """Axis, slider and number of the slice, from 1, and the voxel size; hidden while no volume is open."""
 
     size_wanted = Signal()
     """The user wants to set the size of a voxel."""
@@ -49,7 +49,7 @@ class SliceBar(PlaceBar):
         self.setVisible(slices is not None)
         if slices is None or image is None:
             return
-        self.show_position(slices.current.index, 0, slices.count - 1)
+        self.show_position(slices.current.index + 1, 1, slices.count)
         for button, name in zip(self.axes, name_slices(image), strict=True):
             button.setText(name[:1].upper() + name[1:])
         self.axes[slices.axis].setChecked(True)

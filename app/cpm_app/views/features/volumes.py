@@ -51,7 +51,7 @@ class SlicesFeature(Feature):
         self._shown: tuple[Slices | None, Image | None] = (None, None)
         self._slices = slices = window.workspace.slices
         pages = window.workspace.pages
-        self.bar.moved.connect(slices.go_to)
+        self.bar.moved.connect(lambda number: slices.go_to(number - 1))
         self.bar.axis_wanted.connect(slices.set_axis)
         self.bar.size_wanted.connect(partial(window.trigger_action, "pixel_size"))
         area.controls.addWidget(self.bar)

@@ -61,8 +61,9 @@ def test_keys_wheel_slider_and_field_go_through_the_slices(volume, hand) -> None
     bar(volume).number.selectAll()
     hand.qtbot.keyClicks(bar(volume).number, "20")
     hand.qtbot.keyClick(bar(volume).number, KEY.Key_Return)
-    assert shown(volume) == (0, 20)
+    assert shown(volume) == (0, 19)
     assert bar(volume).slider.value() == 20
+    assert bar(volume).total_label.text() == "of 24"
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -25,7 +26,7 @@ from PySide6.QtCore import Qt
 from cpm_core import load_volume
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
-from tests.app.views.volume.conftest import ball, open_file
+from tests.app.views.volume.conftest import ball, move, open_file
 
 pytestmark = pytest.mark.shared_window
 
@@ -192,3 +193,26 @@ def test_a_plain_image_has_no_letters_and_a_plane_of_a_patient_has(patient, hand
     assert shown(patient.canvas_area.canvas) == ("A", "P", "R", "L")
     open_file(patient, hand, image_file)
     assert shown(patient.canvas_area.canvas) == ("", "", "", "")
+
+
+def test_the_pointer_is_told_its_slices_from_1_its_place_in_the_scanner_and_its_hounsfield_units(
+    window, hand, tmp_path
+) -> None:
+    nibabel = pytest.importorskip("nibabel")
+    matrix = np.diag([-2.0, 2.0, 2.5, 1.0])
+    matrix[:3, 3] = 30.0, -12.0, 7.5
+    file = nibabel.Nifti1Image((ball() - 1020.0).astype(np.int16), matrix)
+    file.header.set_xyzt_units("mm")
+    nibabel.save(file, tmp_path / "ct.nii")
+    open_file(window, hand, tmp_path / "ct.nii")
+    views = hand.canvas, *window.get_feature(SlicesFeature).sides
+    for view, at in zip(views, ((14, 3), (12, 3), (12, 14)), strict=True):
+        window.workspace.slices.go_through((12, 14, 3))
+        move(view, at, Qt.MouseButton.NoButton)
+        numbers = [float(word) for word in re.findall(r"-?[\d.]+", window.pointer_readout.text())]
+        voxel = [number - 1 for number in numbers[:3]]
+        assert numbers[3:6] == (matrix @ (*voxel[::-1], 1))[:3].tolist()
+        assert numbers[6] == ball()[tuple(map(int, voxel))] - 1020.0
+        assert window.pointer_readout.text().startswith(f"axial {voxel[0] + 1:.0f}, coronal ")
+        assert "(RAS " in window.pointer_readout.text()
+        assert window.pointer_readout.text().endswith(" HU")
