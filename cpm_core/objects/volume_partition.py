@@ -27,6 +27,7 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
+from cpm_core.objects.background import lies_in_background
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -174,7 +175,7 @@ class VolumePartition:
         Returns
         -------
         VolumeSelection
-            Empty when no positive point lies in a body.
+            Empty when no positive point lies in a body, or the first one in nothing but background.
 
         Raises
         ------
@@ -194,6 +195,9 @@ class VolumePartition:
             found = VolumeSelection(self, self.extract_boundary(chosen), within, beyond, remark)
         else:
             found = self._select_by_network(within, beyond, previous, voxels)
+            if (previous is None or not previous.has_boundary) and found.has_boundary:
+                in_background = lies_in_background(self.image.values, within[0], found.surface)
+                found = replace(found, surface=EMPTY_SURFACE, body=None) if in_background else found
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
     def find_candidates(
