@@ -79,7 +79,6 @@ from cpm_core.contours.faces import Face
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.measurements import containment, measure
 from cpm_core.contours.region_table import Table
-from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface_agreement import SurfaceComparison, compare_surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.placed_charges import PlacedCharge
@@ -103,6 +102,7 @@ from cpm_core.formats.sessions.session_run import run
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
+from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import Extrusion, VolumeRegions
 from cpm_core.medial_axis.centerlines import Centerlines, centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -132,7 +132,7 @@ from cpm_core.model.volume.starts import (
     sphere,
 )
 from cpm_core.notebook import NotebookView, notebook_view
-from cpm_core.objects import Partition, Selection, VolumePartition, VolumeSelection
+from cpm_core.objects import Partition, Selection, VolumePartition
 from cpm_core.pages.follow import follow_pages
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import TrackEvent
@@ -191,7 +191,6 @@ __all__ = [
     "Truth",
     "VolumePartition",
     "VolumeRegions",
-    "VolumeSelection",
     "VolumeTruth",
     "centerlines",
     "circle",

@@ -24,7 +24,7 @@ from cpm_core.formats.common.json_values import encode_json
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, describe_shapes
 from cpm_core.formats.contours.geojson import build_features
 from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
-from cpm_core.formats.images.resolution import ascii_unit
+from cpm_core.formats.images.resolution import name_column
 from cpm_core.numerics.grids import Window, expand_window, rank_values, split_into_tiles, window_shape
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.formatting import format_count
@@ -226,8 +226,7 @@ def _build_table_columns(found: ChunkedContours, chunk: Chunk) -> dict[str, Arra
         for name in dict.fromkeys((*table, *_GRAY_COLUMNS)):
             if name not in ("label", "name"):
                 values = table[name][:count] if name in table else np.full(count, np.nan)
-                unit = ascii_unit(table.units.get(name), "")
-                columns.setdefault(f"{name} [{unit}]" if unit else name, []).append(np.asarray(values, float))
+                columns.setdefault(name_column(name, table.units.get(name, "")), []).append(np.asarray(values, float))
     return {name: np.concatenate(parts) for name, parts in columns.items()}
 
 

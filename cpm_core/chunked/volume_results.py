@@ -13,7 +13,7 @@ from cpm_core.chunked.run import Compute
 from cpm_core.chunked.volume_surface import ChunkedBodies
 from cpm_core.formats.common.provenance import PROGRAM_NAME, describe_image_provenance, dump_provenance
 from cpm_core.formats.images.ome_zarr import write_window
-from cpm_core.formats.images.resolution import ascii_unit
+from cpm_core.formats.images.resolution import ascii_unit, name_column
 from cpm_core.formats.meshes import ply
 from cpm_core.formats.meshes.coordinates import to_file_coordinates
 
@@ -66,14 +66,14 @@ def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compu
 def write_body_table(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> None:
     """Write a table, with a row for each body, lengths in the unit of the volume where it has one."""
     levels = bodies.volume.task.source.levels
-    unit = f" [{ascii_unit(levels.unit, '')}" if levels.unit else ""
+    unit = levels.unit or ""
     columns = {
         "label": bodies.table["label"],
-        f"volume{unit and unit + '3]'}": bodies.table["volume"],
-        f"area{unit and unit + '2]'}": bodies.table["area"],
+        name_column("volume", unit and f"{unit}³"): bodies.table["volume"],
+        name_column("area", unit and f"{unit}²"): bodies.table["area"],
     }
     for name, place, side in zip(("plane", "row", "col"), bodies.table["center"].T, levels.spacing, strict=True):
-        columns[f"center_{name}{unit and unit + ']'}"] = place * side
+        columns[name_column(f"center_{name}", unit)] = place * side
     write_table_parts(path, draft, [columns])
 
 

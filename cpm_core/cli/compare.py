@@ -40,7 +40,7 @@ from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.parameters import PRESETS
 from cpm_core.parameters.formatting import format_count, quote_value
 from cpm_core.results.result import Result
-from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
+from cpm_core.shapes import Barrier, Charge, Circle, Polygon, PolygonRegion, Shape
 from cpm_core.shapes.document_shapes import check_axes, select_starts
 from cpm_core.shapes.outlines import drawn_outlines
 
@@ -222,7 +222,7 @@ def _collect_start_shapes(arguments: argparse.Namespace, session: SessionFile) -
             "No start is given: add --circle ROW,COL,RADIUS, --polygon ROW,COL,ROW,COL,... or --start FILE, or a "
             "session with a circle, an ellipse or a polygon."
         )
-    if any(isinstance(shape, Region | Barrier | Charge) for shape in session.shapes):
+    if any(isinstance(shape, PolygonRegion | Barrier | Charge) for shape in session.shapes):
         print_message("regions, barriers and charges of the session are left out: the other methods have none.")
     _report_open_starts("the session", select_starts(session.shapes))
     return drawn

@@ -55,7 +55,6 @@ from cpm_core.formats.sessions.session_run import segment_shapes
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects import Selection
-from cpm_core.objects.volume_partition import VolumeSelection
 from cpm_core.parameters.formatting import format_count, format_size
 from cpm_core.results import FoundObjects, replace_by_objects
 from cpm_core.results.result import Result
@@ -207,8 +206,7 @@ def _run_image(request: RunRequest) -> int:
     if request.is_volume:
         facts, lines = _describe_surface(result, shown, seconds)
     else:
-        objects = [one for one in chosen or () if isinstance(one, Selection)]
-        facts, lines = _describe_contours(result, objects, seconds)
+        facts, lines = _describe_contours(result, chosen or (), seconds)
         written = [path for path in files.written if path in request.exports]
         facts["left_out"] = {path: count_left_out(shown, find_format_suffix(path)) for path in written}
     if truth is not None:
@@ -225,9 +223,9 @@ def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:
     if not request.positive_points:
         return None
     chosen = partition(result).select(request.positive_points, request.negative_points)
-    if isinstance(chosen, VolumeSelection) and (chosen.body is not None or not chosen.has_boundary):
+    if len(chosen.shape) == 3 and (chosen.prediction is not None or not chosen.has_boundary):
         raise ValueError("There is no object at this position: name one that the surface encloses.")
-    if isinstance(chosen, Selection) and not chosen.mask.any():
+    if not chosen.has_boundary:
         raise ValueError("There is no object at this position: name another one inside it.")
     return (chosen,)
 

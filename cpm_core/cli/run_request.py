@@ -45,7 +45,7 @@ from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject, Texts, frozen
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.evolve import DEFAULT_METHOD
-from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Region, SeedingKind, Shape, Sphere, Stroke
+from cpm_core.shapes import Barrier, Circle, Everywhere, Points, PolygonRegion, SeedingKind, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import collect_regions, select_starts
 
 _OptionNumbers = Mapping[str, Sequence[tuple[float, ...]]]
@@ -258,7 +258,7 @@ def _build_drawn_shapes(arguments: argparse.Namespace, numbers: _OptionNumbers, 
     if is_volume:
         return (*(Sphere(tuple(center), radius) for *center, radius in numbers["sphere"]), *shapes, *everywhere)
     circles = (Circle((row, col), radius) for row, col, radius in numbers["circle"])
-    regions = (Region(group_coordinates(line, 2)) for line in numbers["region"])
+    regions = (PolygonRegion(group_coordinates(line, 2)) for line in numbers["region"])
     barriers = (Barrier(group_coordinates(line, 2)) for line in numbers["barrier"])
     return (*circles, *shapes, *regions, *barriers, *everywhere)
 
@@ -287,8 +287,7 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, is_volum
         refuse_options(arguments, ("circle", "pages", "save_session"), "images, but a volume is run")
     else:
         refuse_options(arguments, ("space",), "volumes, but an image is run")
-    names_object = arguments.objects or (arguments.object and not is_volume)
-    if not (names_object or _has_start(arguments, session)):
+    if not (arguments.objects or arguments.object or _has_start(arguments, session)):
         if session.mode == "skeleton":
             raise ValueError("The session is for a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
         raise ValueError(

@@ -3,41 +3,19 @@
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
 
+from cpm_core.image.colors import check_color
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
-from cpm_core.numerics.types import Array, Integers, frozen, record
-from cpm_core.parameters.formatting import format_count, format_repr, quote_value
+from cpm_core.numerics.types import Array, Integers, record
+from cpm_core.parameters.formatting import format_count, format_repr
 
 SAMPLE_SPACING = 0.25
 """Distance between samples along contours that are compared [px]."""
-
-
-def check_color(what: str, color: str) -> None:
-    """Raise a `ValueError` unless a color has the form "#rrggbb"; `what` names its owner."""
-    if color and not re.fullmatch("#[0-9A-Fa-f]{6}", color):
-        raise ValueError(
-            f'The color of {what} is {quote_value(color)} but must be "#rrggbb", two hexadecimal digits each for red, '
-            "green and blue, or empty."
-        )
-
-
-@frozen
-class Label:
-    """Name, color, ``"#rrggbb"``, and name of the class of the object with a number; each may be empty."""
-
-    number: int
-    name: str = ""
-    color: str = ""
-    category: str = ""
-
-    def __post_init__(self) -> None:
-        check_color("a label", self.color)
 
 
 @record

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour, Contours, sample_contours
 from cpm_core.contours.graph import Graph
 from cpm_core.contours.rasterize import rasterize_labels, rasterize_mask
-from cpm_core.contours.surface import Surface, surface_from_labels
+from cpm_core.contours.surface import surface_from_labels
 from cpm_core.image import drawing
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import rank_values
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Sides, Texts, record

@@ -23,7 +23,8 @@ from cpm_core.contours.agreement import (
     summarize_distances,
 )
 from cpm_core.contours.ground_truth import VolumeTruth
-from cpm_core.contours.surface import Surface, label_voxels
+from cpm_core.contours.surface import label_voxels
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters.formatting import format_repr

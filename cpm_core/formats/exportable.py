@@ -11,30 +11,21 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import MAX_LABEL
-from cpm_core.contours.surface import Surface, surface_from_labels
+from cpm_core.contours.surface import surface_from_labels
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours.mask import find_label_outlines
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Surface
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Extent, copy_with
-from cpm_core.objects import Selection, VolumeSelection
+from cpm_core.objects import Selection
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results import boundaries_result, objects_result
 from cpm_core.results.result import Result
 
-Exportable = (
-    Outcome
-    | Centerlines
-    | Selection
-    | VolumeSelection
-    | Surface
-    | Sequence[Selection]
-    | Sequence[VolumeSelection]
-    | Sequence[Contour]
-    | NDArray[np.integer]
-)
+Exportable = Outcome | Centerlines | Selection | Surface | Sequence[Selection] | Sequence[Contour] | NDArray[np.integer]
 """Everything that can be exported."""
 
 
@@ -51,9 +42,9 @@ def as_result(given: Exportable, image: Image | None = None) -> Outcome | Center
         shape = _shape_around(given.vertices) if image is None else image.shape
         found = _result_in(image, shape, "surface", surface=given)
         return replace(found, spacing=given.spacing, unit=given.unit)
-    several: Any = [given] if isinstance(given, Selection | VolumeSelection | Contour) else given
+    several: Any = [given] if isinstance(given, Selection | Contour) else given
     if isinstance(several, Sequence) and len(several):
-        if any(all(isinstance(one, kind) for one in several) for kind in (Selection, VolumeSelection)):
+        if all(isinstance(one, Selection) for one in several):
             return objects_result(several, image)
         if all(isinstance(one, Contour) and one.points.shape[1] == 2 for one in several):
             shape = _shape_around(np.concatenate([one.points for one in several])) if image is None else image.shape

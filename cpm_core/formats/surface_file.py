@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.contours.contour import Label
 from cpm_core.contours.ground_truth import number_gray_levels
-from cpm_core.contours.surface import Surface, join_surfaces, surface_from_labels
+from cpm_core.contours.surface import join_surfaces, surface_from_labels
 from cpm_core.formats.common.atomic import find_suffix
 from cpm_core.formats.common.content import AnySource, explain_decoding_errors, find_local_file, read_content
 from cpm_core.formats.images.decoded import DecodedImage
@@ -24,6 +23,7 @@ from cpm_core.formats.meshes.coordinates import find_voxel_transform
 from cpm_core.formats.meshes.triangles import ParsedTriangles
 from cpm_core.image.geometry import Convention, Geometry, geometry_from_affine
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Label, Surface
 from cpm_core.numerics.types import Array, Texts
 
 _LOG = logging.getLogger(__name__)

@@ -15,7 +15,6 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import assign_labels
-from cpm_core.contours.surface import Surface
 from cpm_core.formats.common.atomic import check_target, find_suffix, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import make_printable
@@ -38,6 +37,7 @@ from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.formats.meshes.coordinates import ExportMesh, build_mesh
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Surface
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, Texts, copy_with, frozen
@@ -233,7 +233,7 @@ def export(
 
     Parameters
     ----------
-    result : Result, Skeleton, Centerlines, Selection, VolumeSelection, Surface, sequence or ndarray
+    result : Result, Skeleton, Centerlines, Selection, Surface, sequence or ndarray
         Outcome of a run, or of `skeleton`; one or several selected objects, or several contours; a surface; or labels,
         whole numbers of shape (H, W) or (P, H, W), which masks hold as they are.
     *paths : path-like
@@ -381,7 +381,7 @@ def to_bytes(
 
     Parameters
     ----------
-    result : Result, Skeleton, Centerlines, Selection, VolumeSelection, Surface, sequence or ndarray
+    result : Result, Skeleton, Centerlines, Selection, Surface, sequence or ndarray
         What `export` takes.
     suffix : str
         One of `CONTOURS_WRITABLE`, or of `VOLUMES_WRITABLE` and `CENTERLINES_WRITABLE` for results of a volume. Text is

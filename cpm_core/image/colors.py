@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import skimage
 
@@ -9,6 +11,16 @@ from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.types import Array, Numbers, Pixels, Texts, record
 from cpm_core.parameters.choices import CHOICE_PARAMETERS, check_choice
 from cpm_core.parameters.formatting import quote_value
+
+
+def check_color(what: str, color: str) -> None:
+    """Raise a `ValueError` unless a color has the form "#rrggbb"; `what` names its owner."""
+    if color and not re.fullmatch("#[0-9A-Fa-f]{6}", color):
+        raise ValueError(
+            f'The color of {what} is {quote_value(color)} but must be "#rrggbb", two hexadecimal digits each for red, '
+            "green and blue, or empty."
+        )
+
 
 _PRIMARY_COLORS = ("red", "green", "blue")
 """Names of the channels of a color image."""

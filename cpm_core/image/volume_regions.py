@@ -20,12 +20,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.image.pyramid import to_image
+from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions, pixels_in_polygon
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number
-from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Voxel, frozen, record
+from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, frozen, record
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
@@ -141,44 +142,6 @@ _LINE_SAMPLING = 0.25
 """Distance between the places on a line by which the voxels it passes through are found [voxels]."""
 
 
-@record
-class Voxels:
-    """Set of voxels of a volume; equal to others with the same voxels.
-
-    Attributes
-    ----------
-    mask : ndarray of bool, shape (P, R, C)
-        Which voxels.
-    first : tuple of int or None
-        The voxel of the volume that the mask begins at, which may lie outside; None for a mask of the whole volume.
-    """
-
-    mask: Mask
-    first: Integers | None = None
-
-    def __post_init__(self) -> None:
-        mask = np.array(self.mask, bool, order="C")
-        mask.flags.writeable = False
-        object.__setattr__(self, "mask", mask)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Voxels) or self.first != other.first:
-            return False
-        return self.mask is other.mask or np.array_equal(self.mask, other.mask)
-
-    def __hash__(self) -> int:
-        return hash((self.mask.shape, int(np.count_nonzero(self.mask))))
-
-    def fill_into(self, filled: Mask) -> None:
-        """Mark the voxels in a volume, shape (P, R, C)."""
-        begin = np.array(self.first or (0, 0, 0))
-        end = begin + self.mask.shape
-        low, high = np.clip(begin, 0, filled.shape), np.clip(end, 0, filled.shape)
-        there = tuple(map(slice, low, high))
-        here = tuple(map(slice, low - begin, high - begin))
-        filled[there] |= self.mask[here]
-
-
 @frozen
 class Extrusion:
     """A line in the slices across an axis of a volume, from one of them to another.
@@ -242,7 +205,7 @@ def _pixels_on_line(line: Line, shape: Extent) -> Mask:
     return filled
 
 
-VolumeLimit = Pair | Voxels | Extrusion
+VolumeLimit = Pair | Region | Extrusion
 
 
 @frozen
@@ -301,7 +264,12 @@ class VolumeRegions:
             raise ValueError(f"these regions are for a volume, but the image is one of {size} pixels: use Regions.")
         for noun, limits in (("region of interest", self.interest), ("barrier", self.barriers)):
             for number, limit in enumerate(limits, start=1):
-                if isinstance(limit, Voxels) and limit.first is None and limit.mask.shape != shape:
+                if (
+                    isinstance(limit, Region)
+                    and limit.pixels is not None
+                    and limit.first is None
+                    and limit.mask.shape != shape
+                ):
                     raise ValueError(
                         f"the mask of {noun} {number} has {format_size(limit.mask.shape, 'voxels')} but must "
                         f"have those of the volume, {size}."
@@ -399,13 +367,13 @@ def _check_limits(noun: str, form: str, given: Any) -> tuple[VolumeLimit, ...]:
     return tuple(_check_limit(f"{noun} {number}", form, limit) for number, limit in enumerate(given, start=1))
 
 
-def _check_limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> VolumeLimit:
-    if isinstance(given, Voxels | Extrusion):
+def _check_limit(what: str, form: str, given: ArrayLike | Region | Extrusion) -> VolumeLimit:
+    if isinstance(given, Region | Extrusion):
         return given
     try:
         array = np.asarray(given)
         if array.dtype == np.bool_ and array.ndim == 3:
-            return Voxels(array)
+            return Region(pixels=array)
         pair = as_real_array(array)
     except (TypeError, ValueError):
         pair = np.zeros(0)

@@ -14,12 +14,12 @@ import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour, Contours
-from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
-from cpm_core.contours.surface import voxelize_surface
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.image import Image, as_image
+from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
+from cpm_core.image.surface import voxelize_surface
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.medial_axis.boundary import boundary_from_outlines
 from cpm_core.medial_axis.centerlines import Centerlines, centerlines
@@ -178,9 +178,11 @@ class SkeletonMethod(ImageFields):
         super().__init__(image, chosen, _plane_regions(regions))
         self.regions = regions
         self._outside = outside
-        self._within: tuple[Contour | PackedBody | Mask, ...] = ()
+        self._within: tuple[Contour | Region, ...] = ()
         if within is not None:
-            self._within = closed_outlines(within, image.shape) if plane else (check_mask(within, image.shape),)
+            self._within = (
+                closed_outlines(within, image.shape) if plane else (Region.from_mask(check_mask(within, image.shape)),)
+            )
 
     @classmethod
     def steering(cls, parameters: Parameters) -> tuple[object, ...]:
@@ -197,7 +199,7 @@ class SkeletonMethod(ImageFields):
         other.regions = regions
         return other
 
-    def for_objects(self, objects: Contours | Sequence[PackedBody]) -> Self:
+    def for_objects(self, objects: Contours | Sequence[Region]) -> Self:
         """Return the method for closed outlines, or bodies in a volume; without any for what it finds itself."""
         return copy_with(self, _within=tuple(objects))
 
@@ -312,10 +314,8 @@ class SkeletonMethod(ImageFields):
         if self._within:
             inside = np.zeros(image.shape, bool)
             for one in self._within:
-                if isinstance(one, PackedSurface | PackedVoxels):
-                    one.voxels.fill_into(inside)
-                elif isinstance(one, np.ndarray):
-                    inside |= one
+                if isinstance(one, Region):
+                    one.fill_into(inside)
         elif ((image.values == low) | (image.values == high)).all():  # a mask
             inside = image.values == (low if dark else high)
         else:

@@ -21,7 +21,7 @@ from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects.partition import Partition, partition_without_run
 from cpm_core.objects.selection import Selection
-from cpm_core.objects.volume_partition import EMPTY_SURFACE, VolumePartition, VolumeSelection
+from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.results.result import Result
 from cpm_core.segmentation.select import partition
@@ -83,9 +83,9 @@ class NotebookView(drawing.Pictured):
     ----------
     partition : Partition or VolumePartition
         What objects are selected from.
-    objects : list of Selection or VolumeSelection
+    objects : list of Selection
         Those that the run proposes, and those clicked so far, the last click last.
-    selection : Selection or VolumeSelection or None
+    selection : Selection or None
         The object that was clicked last, which can be corrected.
     plane : int or None
         The plane of a volume that is shown; None for an image.
@@ -114,8 +114,8 @@ class NotebookView(drawing.Pictured):
 
     def __init__(self, partition: Partition | VolumePartition, result: Result | None = None) -> None:
         self.partition = partition
-        self.objects: list[Selection | VolumeSelection] = [] if result is None else list(result.objects)
-        self.selection: Selection | VolumeSelection | None = None
+        self.objects: list[Selection] = [] if result is None else list(result.objects)
+        self.selection: Selection | None = None
         self.plane = partition.shape[0] // 2 if len(partition.shape) == 3 else None
         self._results, self._message = [result] if result is not None else [], _HELP_TEXT
         self._limits = drawing.gray_limits(self._image.values)
@@ -124,7 +124,7 @@ class NotebookView(drawing.Pictured):
         """Select the object at a place (row, col) or (plane, row, col), or `correct` the selected one there."""
         partition: Any = self.partition  # each kind corrects selections of its own kind
         at, former = np.array([place], dtype=float), self.selection
-        found: Selection | VolumeSelection
+        found: Selection
         if correct and former is not None:
             places = [former.inside, former.outside]
             side = int(former.contains(at)[0])
@@ -165,14 +165,13 @@ class NotebookView(drawing.Pictured):
         image = self.partition.image
         return image if self.plane is None else image.slice_across(0, self.plane)
 
-    def _find_contours(self, found: Sequence[Result | Selection | VolumeSelection]) -> list[Contour]:
+    def _find_contours(self, found: Sequence[Result | Selection]) -> list[Contour]:
         """Find the contours of results or objects, or where the plane cuts their surfaces."""
         lines: list[Contour] = []
         for one in found:
-            if self.plane is None and not isinstance(one, VolumeSelection):
-                lines += one.contours
-            elif self.plane is not None and not isinstance(one, Selection):
-                lines += slice_surface(one.surface or EMPTY_SURFACE, 0, self.plane)
+            lines += one.contours
+            if self.plane is not None and one.surface is not None:
+                lines += slice_surface(one.surface, 0, self.plane)
         return lines
 
     def __repr__(self) -> str:

@@ -4,6 +4,6 @@ from cpm_core.objects.partition import Partition
 from cpm_core.objects.partition import partition_without_run as partition_without_run
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.selection import compute_iou as compute_iou
-from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
+from cpm_core.objects.volume_partition import VolumePartition
 
-__all__ = ["Partition", "Selection", "VolumePartition", "VolumeSelection"]
+__all__ = ["Partition", "Selection", "VolumePartition"]

@@ -1,36 +1,46 @@
-"""All objects of an image: of the regions that contours bound, and what the network makes of them, the likeliest.
+"""All objects of an image: of the regions that edges bound, and what the network makes of them, the likeliest.
 
 Each region that may be an object, and what the network changes it to, is a candidate with a probability. The likeliest
 one is an object; then the likeliest of those that do not overlap with it, and so on. For what an unambiguous contour
-encloses without a neck the odds are the geometric mean of those of a region and of an object that was selected.
+encloses without a neck the odds are the geometric mean of those of a region and of an object that was selected. Then
+the probabilities are corrected by how much each candidate resembles the others, and all is done once more.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import scipy
 
+from cpm_core.image.region import Region
 from cpm_core.numerics.grids import bounding_window, expand_window
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Callback, Mask
-from cpm_core.objects.candidate_regions import BoundedRegion, CandidateRegions
+from cpm_core.objects.candidate_regions import CandidateRegions, is_brighter_outside
 from cpm_core.objects.confidence import (
     ConfidenceFeatures,
     RegionFeatures,
+    estimate_among_siblings,
     estimate_confidence,
     estimate_region_confidence,
 )
-from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
+from cpm_core.objects.image_parts import ImageParts
+from cpm_core.objects.merged_basins import MIN_OBJECT_AREA, find_largest_component
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.prior.object_predictor import Prediction
-from cpm_core.objects.region_evidence import ObjectCandidate, RegionEvidence, find_largest_component
-from cpm_core.objects.selection import Selection
+from cpm_core.objects.region_evidence import RegionEvidence
+from cpm_core.objects.selection import Candidate, Selection
 
 _MIN_CONFIDENCE = 0.05
 """Least probability that an object is correct."""
+
+_MIN_RELATIVE_CONFIDENCE = 0.15
+"""Least such probability, as a fraction of the likeliest object's: beside a leaf, textures of the soil are none."""
+
+_MIN_SIBLING_CONFIDENCE = 0.3
+"""Least probability of an object beside which others are judged."""
 
 _MIN_CERTAIN_CONFIDENCE = 0.3
 """Least probability with which a region may lie between objects whose edges rise the other way."""
@@ -54,14 +64,6 @@ _MAX_SHARED_RIM = 0.3
 """Largest share of the boundary of a nested object that runs along the boundary of the larger one."""
 
 
-class FoundObject(NamedTuple):
-    """An object found everywhere: pixels, prediction of the network for them, and probability that it is one."""
-
-    region: BoundedRegion
-    prediction: Prediction
-    confidence: float
-
-
 def find_objects_everywhere(partition: Partition, check: Callback = lambda: None) -> Iterator[Selection]:
     """Find all objects of an image, the likeliest first.
 
@@ -79,112 +81,127 @@ def find_objects_in_parts(parts: ImageParts, check: Callback = lambda: None) -> 
     """Find all objects of an image that is divided into parts, by the network."""
     partition = parts.partition
     for found in find_image_objects(parts, check):
-        features = ConfidenceFeatures(*found.prediction[2:], point_count=0)
         mask = found.region.paste(partition.shape)
-        one = build_proposal(partition, mask, features, unambiguous=found.region.unambiguous)
+        one = build_proposal(partition, mask, found.features, unambiguous=found.unambiguous)
         yield replace(one, confidence=found.confidence)
 
 
-def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> list[FoundObject]:
+def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> list[Candidate]:
     """Find the objects of `find_objects_everywhere`, without their outlines."""
-    evidence = RegionEvidence(parts.partition)
-    candidates = list(predict_candidates(parts, evidence, check))
+    evidence = RegionEvidence(parts)
+    candidates = predict_candidates(evidence, check)
     features = evidence.measure_candidates(candidates)
     return choose_objects(map(rate_candidate, candidates, features), parts.partition.values)
 
 
-def predict_candidates(
-    parts: ImageParts, evidence: RegionEvidence, check: Callback = lambda: None
-) -> Iterator[ObjectCandidate]:
+def predict_candidates(evidence: RegionEvidence, check: Callback = lambda: None) -> list[Candidate]:
     """Predict the candidates for the objects of an image."""
-    found = CandidateRegions.from_parts(parts)
-    for region in found.regions:
-        check()
-        for one in evidence.predict_candidates(region):
-            if one.region.area >= MIN_OBJECT_AREA and found.may_be_object(one.region):
-                yield one
+    found = CandidateRegions.from_parts(evidence.parts)
+    predicted: list[list[Candidate]] = [[] for _ in found.regions]
+
+    def predict(first: int, end: int) -> None:
+        for number in range(first, end):
+            check()
+            predicted[number] = list(evidence.predict_candidates(found.regions[number]))
+
+    run_in_parallel(predict, len(predicted), 1)
+    return [
+        one
+        for one in itertools.chain.from_iterable(predicted)
+        if one.region.size >= MIN_OBJECT_AREA and found.may_be_object(one.region)
+    ]
 
 
-class RatedCandidate(NamedTuple):
-    """A candidate, and the probability that it is an object."""
-
-    candidate: ObjectCandidate
-    confidence: float
-
-
-def rate_candidate(candidate: ObjectCandidate, features: RegionFeatures) -> RatedCandidate:
+def rate_candidate(candidate: Candidate, features: RegionFeatures) -> Candidate:
     """Rate a candidate by what was measured of it.
 
     Whether a contour is unambiguous says little of the regions from which the rule for these was learned, and much of
     the objects from which the other one was, so that both count there (a logarithmic opinion pool).
     """
     found = estimate_region_confidence(features)
-    if features.unambiguous and not features.has_neck:
-        selected = estimate_confidence(ConfidenceFeatures(*candidate.prediction[2:], 0, unambiguous=True))
+    if candidate.features is not None and features.unambiguous and not features.has_neck:
+        selected = estimate_confidence(candidate.features._replace(unambiguous=True))
         found = float(scipy.special.expit(scipy.special.logit([found, selected]).mean()))
-    return RatedCandidate(candidate, found)
+    return candidate._replace(confidence=found)
 
 
-def choose_objects(rated: Iterable[RatedCandidate], values: Array) -> list[FoundObject]:
-    """Choose objects among the candidates of an image, shape (H, W); the likeliest come first."""
-    chosen: list[FoundObject] = []
+def choose_objects(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
+    """Choose objects among the candidates of an image, shape (H, W); the likeliest come first.
+
+    Objects of an image resemble each other: those chosen first tell how likely each candidate is beside them, and
+    then all are chosen once more.
+    """
+    rated = list(rated)
+    among = [
+        one._replace(confidence=estimate_among_siblings(one.confidence, *weights))
+        for one, weights in zip(rated, weigh_siblings(rated, values), strict=True)
+    ]
+    return _choose_likeliest(among, values)
+
+
+def weigh_siblings(rated: list[Candidate], values: Array) -> Iterator[tuple[float, float]]:
+    """Weigh the likely objects beside each candidate: with a sign that says whether edges rise alike, and without."""
+    likely = [found for found in _choose_likeliest(rated, values) if found.confidence >= _MIN_SIBLING_CONFIDENCE]
+    rises = [is_brighter_outside(found.region, values) for found in likely]
+    for region in (one.region for one in rated):
+        apart = [
+            (found.confidence**2, rise)
+            for found, rise in zip(likely, rises, strict=True)
+            if region.count_shared(found.region) <= _MAX_OVERLAP * min(region.size, found.region.size)
+        ]
+        own = bool(apart) and is_brighter_outside(region, values)
+        yield sum(weight if rise == own else -weight for weight, rise in apart), sum(weight for weight, _ in apart)
+
+
+def _choose_likeliest(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
+    """Choose the likeliest candidate, the likeliest of those that do not overlap with it, and so on."""
+    chosen: list[Candidate] = []
     for one in sorted(rated, key=lambda one: -one.confidence):
-        if one.confidence < _MIN_CONFIDENCE:
+        likeliest = chosen[0].confidence if chosen else 0.0
+        if one.confidence < max(_MIN_CONFIDENCE, _MIN_RELATIVE_CONFIDENCE * likeliest):
             break
-        region = _fit_between(one.candidate.region, chosen, one.confidence, values)
+        region = _fit_between(one, [found.region for found in chosen], values)
         if region is not None:
-            chosen.append(FoundObject(region, one.candidate.prediction, one.confidence))
+            chosen.append(one._replace(region=region))
     return chosen
 
 
-def _fit_between(
-    region: BoundedRegion, chosen: list[FoundObject], confidence: float, values: Array
-) -> BoundedRegion | None:
-    """Fit a region between the objects chosen before, without the pixels of others; None where it is no object."""
+def _fit_between(candidate: Candidate, chosen: list[Region], values: Array) -> Region | None:
+    """Fit a candidate between the objects chosen before, without the pixels of others; None where it is no object."""
+    region, confidence = candidate.region, candidate.confidence
     if confidence < _MIN_CERTAIN_CONFIDENCE and _is_background(region, chosen, values):
         return None
-    mask = region.mask.copy()
-    for other in (found.region for found in chosen):
-        both = region.measure_overlap(other)
-        if both > _MAX_OVERLAP * min(region.area, other.area):
+    rest = region
+    for other in chosen:
+        both = region.count_shared(other)
+        if both > _MAX_OVERLAP * min(region.size, other.size):
             nested = confidence >= _MIN_NESTED_CONFIDENCE and _is_nested(region, other)
-            if not nested or region.is_brighter_outside(values) != other.is_brighter_outside(values):
+            if not nested or is_brighter_outside(region, values) != is_brighter_outside(other, values):
                 return None
         elif both:
-            whole = [
-                slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(region.box, other.box, strict=True)
-            ]
-            there = other.cut_out(tuple(whole))
-            mask &= ~there[
-                tuple(slice(a.start - w.start, a.stop - w.start) for a, w in zip(region.box, whole, strict=True))
-            ]
-    if np.count_nonzero(mask) < MIN_OBJECT_AREA:
+            rest = rest.without(other)
+    if rest.size < MIN_OBJECT_AREA:
         return None
-    corner = tuple(side.start for side in region.box)
-    rest = (
-        region
-        if mask.all()
-        else BoundedRegion.from_mask(find_largest_component(mask), corner, unambiguous=region.unambiguous)
-    )
-    return rest if rest.area >= MIN_OBJECT_AREA else None
+    rest = rest if rest is region else Region.from_mask(find_largest_component(rest.mask), rest.origin)
+    return rest if rest.size >= MIN_OBJECT_AREA else None
 
 
-def _is_background(region: BoundedRegion, chosen: list[FoundObject], values: Array) -> bool:
+def _is_background(region: Region, chosen: list[Region], values: Array) -> bool:
     """Return whether a region lies between objects whose edges all rise the other way, in an image of shape (H, W)."""
-    window = expand_window(region.box, _NEXT_DISTANCE, values.shape)
-    near = BoundedRegion(window, scipy.ndimage.binary_dilation(region.cut_out(window), iterations=_NEXT_DISTANCE))
-    touched = [found.region for found in chosen if near.measure_overlap(found.region)]
-    rises = region.is_brighter_outside(values) if len(touched) > 1 else False
-    return len(touched) > 1 and all(other.is_brighter_outside(values) != rises for other in touched)
+    window = expand_window(region.window, _NEXT_DISTANCE, values.shape)
+    around = scipy.ndimage.binary_dilation(region.cut_out(window), iterations=_NEXT_DISTANCE)
+    touched = [other for other in chosen if (other.cut_out(window) & around).any()]
+    rises = is_brighter_outside(region, values) if len(touched) > 1 else False
+    return len(touched) > 1 and all(is_brighter_outside(other, values) != rises for other in touched)
 
 
-def _is_nested(one: BoundedRegion, two: BoundedRegion) -> bool:
+def _is_nested(one: Region, two: Region) -> bool:
     """Return whether one of two regions that overlap lies deep in the other."""
-    both = one.measure_overlap(two)
-    small, large = (one, two) if one.area < two.area else (two, one)
-    if both < _MIN_NESTED_SHARE * small.area or both > _MAX_NESTED_AREA * large.area:
+    both = one.count_shared(two)
+    small, large = (one, two) if one.size < two.size else (two, one)
+    if both < _MIN_NESTED_SHARE * small.size or both > _MAX_NESTED_AREA * large.size:
         return False
-    window = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(one.box, two.box, strict=True))
+    window = one.united(two).window
     inner, outer = small.cut_out(window), large.cut_out(window)
     rim = inner & ~scipy.ndimage.binary_erosion(inner)
     return bool((~scipy.ndimage.binary_erosion(outer, iterations=3))[rim].mean() <= _MAX_SHARED_RIM)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from cpm_core.contours.surface import Surface
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.types import Array
 
 _SAME_LEVEL = 1.5
@@ -49,9 +49,7 @@ def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
 
 def _measure_background(values: Array) -> tuple[float, float]:
     """Measure the gray level of the outermost voxels, and its standard deviation."""
-    rim = np.ones(values.shape, bool)
-    rim[1:-1, 1:-1, 1:-1] = False
-    border = values[rim]
+    border = np.concatenate([values.take([0, -1], axis).ravel() for axis in range(3)])
     level = float(np.median(border))
     noise = float(scipy.stats.median_abs_deviation(border, scale="normal"))
     return level, max(noise, _MIN_NOISE * float(np.ptp(values)))

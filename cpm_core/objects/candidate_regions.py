@@ -1,27 +1,43 @@
-"""Regions of an image that contours bound, each of which may be an object.
+"""Regions of an image, each of which may be an object.
 
 They are what closed contours enclose, what several contours enclose that meet, parts between contours with gaps, and
-the bodies of each of these on both sides of a neck. Most are no objects, and many nearly the same.
+merged basins of the edge map. Most are no objects, and many nearly the same.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import scipy
 import skimage
 
 from cpm_core.contours.faces import find_faces
-from cpm_core.numerics.grids import Window, bounding_window, expand_window
-from cpm_core.numerics.types import Array, Extent, Mask, record
+from cpm_core.image.region import Region
+from cpm_core.numerics.grids import Window, expand_window
+from cpm_core.numerics.types import Array, Mask, record
 from cpm_core.objects.boundaries.necks import split_at_necks
-from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
+from cpm_core.objects.image_parts import ImageParts
+from cpm_core.objects.merged_basins import MIN_OBJECT_AREA
+from cpm_core.objects.partition import Partition
+from cpm_core.objects.selection import Candidate
 
 _MAX_REGION_SHARE = 0.9
 """Largest share of the image that a region covers."""
+
+_MAX_WHOLE_SHARE = 0.4
+"""Largest share of the image that an enclosed region covers whose parts only contours bound."""
+
+_MIN_WHOLE_AREA = 1.2
+"""Least area of a region, in areas of a part of it."""
+
+_PART_SHARE = 0.7
+"""Share of a part that lies in it."""
+
+_MIN_JOINED_SHARE = 0.25
+"""Least share of a region that an enclosed one covers which was joined to others."""
 
 _SAME_REGION_IOU = 0.9
 """Overlap (intersection over union) above which two regions are the same."""
@@ -45,93 +61,35 @@ _MAX_CUT_SHARE = 0.5
 """Largest share of the outer boundary of a region that may run along the border of the regions of interest."""
 
 
-class BoundedRegion(NamedTuple):
-    """Pixels of an image: `mask` in a `box`, and whether an unambiguous contour encloses them."""
+def is_brighter_outside(region: Region, values: Array) -> bool:
+    """Return whether an image of gray levels, shape (H, W), gets brighter outward across the boundary of a region."""
+    inner, outer = _measure_rim_levels(region, values)
+    return outer > inner
 
-    box: Window
-    mask: Mask
-    unambiguous: bool = False
 
-    @classmethod
-    def from_mask(cls, mask: Mask, corner: tuple[int, ...] = (0, 0), *, unambiguous: bool = False) -> BoundedRegion:
-        """Make the region of the true pixels of a mask whose first pixel is at a corner of the image."""
-        box = bounding_window(mask)
-        place = tuple(slice(side.start + at, side.stop + at) for side, at in zip(box, corner, strict=True))
-        return cls(place, mask[box], unambiguous)
+def _measure_rim_levels(region: Region, values: Array) -> tuple[float, float]:
+    """Measure the mean gray level inside and outside of the outer boundary, in an image of shape (H, W)."""
+    window = expand_window(region.window, _LEVEL_RIM_WIDTH, values.shape)
+    mask = region.filled.cut_out(window)
+    core = scipy.ndimage.binary_erosion(mask, iterations=_LEVEL_RIM_WIDTH, border_value=1)
+    around = scipy.ndimage.binary_dilation(mask, iterations=_LEVEL_RIM_WIDTH) & ~mask
+    rim = region.cut_out(window) & ~core
+    levels = (float(values[window][part].mean()) if part.any() else math.nan for part in (rim, around))
+    inner, outer = levels
+    return inner, outer
 
-    @property
-    def area(self) -> int:
-        """Number of its pixels."""
-        return int(np.count_nonzero(self.mask))
 
-    @property
-    def has_holes(self) -> bool:
-        """Whether it has holes."""
-        return not np.array_equal(self.filled.mask, self.mask)
+def _measure_cut_share(region: Region, interest: Mask) -> float:
+    """Measure the share of the outer boundary that runs along the border of the pixels of interest, shape (H, W).
 
-    @property
-    def filled(self) -> BoundedRegion:
-        """The region with its holes."""
-        return self._replace(mask=scipy.ndimage.binary_fill_holes(self.mask))
-
-    def paste(self, shape: Extent) -> Mask:
-        """Paste it into a mask of the image, shape (H, W)."""
-        whole = np.zeros(shape, bool)
-        whole[self.box] = self.mask
-        return whole
-
-    def cut_out(self, window: Window) -> Mask:
-        """Cut its pixels out of the image in a window that holds its box."""
-        found = np.zeros([side.stop - side.start for side in window], bool)
-        found[tuple(slice(a.start - w.start, a.stop - w.start) for a, w in zip(self.box, window, strict=True))] = (
-            self.mask
-        )
-        return found
-
-    def measure_overlap(self, other: BoundedRegion) -> int:
-        """Measure the number of pixels that it has in common with another."""
-        low = [max(a.start, b.start) for a, b in zip(self.box, other.box, strict=True)]
-        high = [min(a.stop, b.stop) for a, b in zip(self.box, other.box, strict=True)]
-        if any(first >= end for first, end in zip(low, high, strict=True)):
-            return 0
-        one, two = (
-            region.mask[tuple(slice(a - s.start, b - s.start) for a, b, s in zip(low, high, region.box, strict=True))]
-            for region in (self, other)
-        )
-        return int(np.count_nonzero(one & two))
-
-    def compute_iou(self, other: BoundedRegion) -> float:
-        """Compute the overlap (intersection over union) with another."""
-        both = self.measure_overlap(other)
-        return both / (self.area + other.area - both)
-
-    def is_brighter_outside(self, values: Array) -> bool:
-        """Return whether an image of gray levels, shape (H, W), gets brighter outward across its boundary."""
-        inner, outer = self.measure_rim_levels(values)
-        return outer > inner
-
-    def measure_cut_share(self, interest: Mask) -> float:
-        """Measure the share of its outer boundary that runs along the border of the pixels of interest, shape (H, W).
-
-        Where it runs along the border of the image does not count.
-        """
-        window = expand_window(self.box, 1, interest.shape)
-        if interest[window].all():
-            return 0.0
-        mask = self.filled.cut_out(window)
-        around = scipy.ndimage.binary_dilation(mask) & ~mask
-        return float((~interest[window])[around].mean()) if around.any() else 0.0
-
-    def measure_rim_levels(self, values: Array) -> tuple[float, float]:
-        """Measure the mean gray level inside and outside of its outer boundary, in an image of shape (H, W)."""
-        window = expand_window(self.box, _LEVEL_RIM_WIDTH, values.shape)
-        mask = self.filled.cut_out(window)
-        core = scipy.ndimage.binary_erosion(mask, iterations=_LEVEL_RIM_WIDTH, border_value=1)
-        around = scipy.ndimage.binary_dilation(mask, iterations=_LEVEL_RIM_WIDTH) & ~mask
-        rim = self.cut_out(window) & ~core
-        levels = (float(values[window][part].mean()) if part.any() else math.nan for part in (rim, around))
-        inner, outer = levels
-        return inner, outer
+    Where it runs along the border of the image does not count.
+    """
+    window = expand_window(region.window, 1, interest.shape)
+    if interest[window].all():
+        return 0.0
+    mask = region.filled.cut_out(window)
+    around = scipy.ndimage.binary_dilation(mask) & ~mask
+    return float((~interest[window])[around].mean()) if around.any() else 0.0
 
 
 @record
@@ -140,9 +98,9 @@ class CandidateRegions:
 
     Attributes
     ----------
-    regions : list of BoundedRegion
+    regions : list of Candidate
         The regions, each once.
-    pierced : list of BoundedRegion
+    pierced : list of Region
         Those with a hole through which the surroundings are seen.
     values : ndarray, shape (H, W)
         Gray levels of the image.
@@ -150,8 +108,8 @@ class CandidateRegions:
         Pixels in the regions of interest, whose border bounds no object.
     """
 
-    regions: list[BoundedRegion]
-    pierced: list[BoundedRegion]
+    regions: list[Candidate]
+    pierced: list[Region]
     values: Array
     interest: Mask
 
@@ -161,46 +119,52 @@ class CandidateRegions:
         partition = parts.partition
         whole = partition.shape if partition.parent is None else partition.parent.shape
         found = cls([], [], partition.values, partition.interest)
-        bounded = list(_find_bounded_regions(parts))
-        for region in sorted(bounded, key=lambda one: -one.area):
+        enclosed = list(_find_enclosed_regions(parts))
+        bounded = [*enclosed, *_fill_masks(parts.masks, partition)]
+        for region in sorted((one.region for one in bounded), key=lambda one: -one.size):
             if _is_pierced(region, partition.values) and found.may_be_object(region):  # no hole of a larger one
                 found.pierced.append(region)
-        for region in bounded:
-            found._add_region(region, _MAX_REGION_SHARE * math.prod(whole))
-        for region in tuple(found.regions):
-            for body in split_region(region):
-                found._add_region(body, _MAX_REGION_SHARE * math.prod(whole))
+        pixels = math.prod(whole)
+        outer = [one.region for one in enclosed if one.region.size <= _MAX_WHOLE_SHARE * pixels]
+        merged = (
+            one
+            for one in _fill_masks(parts.merged_masks, partition)
+            if not any(_is_part_of(one.region, other) or _is_joined_from(one.region, other) for other in outer)
+        )
+        for one in itertools.chain(bounded, merged):
+            found._add_region(one, _MAX_REGION_SHARE * pixels)
         return found
 
-    def _add_region(self, region: BoundedRegion, most: float) -> None:
+    def _add_region(self, candidate: Candidate, most: float) -> None:
         """Add a region unless it is too small, too large, known, or no object."""
-        area = region.area
+        region, known = candidate.region, (one.region for one in self.regions)
+        area = region.size
         if not MIN_OBJECT_AREA <= area <= most or not self.may_be_object(region):
             return
-        alike = (one for one in self.regions if _SAME_REGION_IOU * area <= one.area <= area / _SAME_REGION_IOU)
+        alike = (one for one in known if _SAME_REGION_IOU * area <= one.size <= area / _SAME_REGION_IOU)
         if not any(region.compute_iou(one) >= _SAME_REGION_IOU for one in alike):
-            self.regions.append(region)
+            self.regions.append(candidate)
 
-    def may_be_object(self, region: BoundedRegion) -> bool:
+    def may_be_object(self, region: Region) -> bool:
         """Return whether a region is more than a cut-out of interest, no hole of another, nor one with its holes."""
-        if region.measure_cut_share(self.interest) > _MAX_CUT_SHARE:
+        if _measure_cut_share(region, self.interest) > _MAX_CUT_SHARE:
             return False
         for other in self.pierced:
             filled = other.filled
-            inside = region.measure_overlap(filled)
+            inside = region.count_shared(filled)
             if not inside:
                 continue
             if region.compute_iou(filled) > max(region.compute_iou(other), _FILLED_IOU):
                 return False
-            in_holes = inside - region.measure_overlap(other)
-            if in_holes > _HOLE_SHARE * region.area and (
-                region.is_brighter_outside(self.values) != other.is_brighter_outside(self.values)
+            in_holes = inside - region.count_shared(other)
+            if in_holes > _HOLE_SHARE * region.size and (
+                is_brighter_outside(region, self.values) != is_brighter_outside(other, self.values)
             ):
                 return False
         return True
 
 
-def _is_pierced(region: BoundedRegion, values: Array) -> bool:
+def _is_pierced(region: Region, values: Array) -> bool:
     """Return whether a region has a hole that is about as bright as its surroundings in an image, shape (H, W).
 
     Lines with several holes are a net, in which these may be objects.
@@ -210,37 +174,50 @@ def _is_pierced(region: BoundedRegion, values: Array) -> bool:
     large = np.flatnonzero(sizes >= MIN_OBJECT_AREA) + 1
     if len(large) != 1:
         return False
-    inner, outer = region.measure_rim_levels(values)
-    hole = BoundedRegion.from_mask(parts == large[0], tuple(side.start for side in region.box))
-    seen, _ = hole.measure_rim_levels(values)
+    inner, outer = _measure_rim_levels(region, values)
+    seen, _ = _measure_rim_levels(Region.from_mask(parts == large[0], region.origin), values)
     return abs(seen - outer) < _MAX_HOLE_DIFFERENCE * abs(seen - inner)
 
 
-def _find_bounded_regions(parts: ImageParts) -> Iterator[BoundedRegion]:
-    """Find all that contours bound, with duplicates."""
+def _is_part_of(part: Region, whole: Region) -> bool:
+    """Return whether a region lies in another that is larger."""
+    return whole.size >= _MIN_WHOLE_AREA * part.size and part.count_shared(whole) >= _PART_SHARE * part.size
+
+
+def _is_joined_from(whole: Region, part: Region) -> bool:
+    """Return whether another region, and not merely a small one, lies in a region."""
+    return part.size >= _MIN_JOINED_SHARE * whole.size and _is_part_of(part, whole)
+
+
+def _find_enclosed_regions(parts: ImageParts) -> Iterator[Candidate]:
+    """Find all that contours enclose, alone or where several meet, with duplicates."""
     partition = parts.partition
     for mask in partition.find_unambiguous_objects():
-        yield BoundedRegion.from_mask(mask, unambiguous=True)
+        yield Candidate(Region.from_mask(mask), unambiguous=True)
     for contour in partition.contours:
         if contour.closed and len(contour.points) > 2:
-            yield from _fill_rings([contour.points], partition.interest)
+            yield from map(Candidate, _fill_rings([contour.points], partition.interest))
     for face in find_faces(partition.contours, links=partition.links):
-        yield from _fill_rings([face.outer], partition.interest)
+        yield from map(Candidate, _fill_rings([face.outer], partition.interest))
         if face.holes:
             pierced = (
                 one
                 for one in _fill_rings([face.outer, *face.holes], partition.interest)
                 if _is_pierced(one, partition.values)
             )
-            yield from pierced
-    for box, mask in parts.masks:
+            yield from map(Candidate, pierced)
+
+
+def _fill_masks(masks: Iterable[tuple[Window, Mask]], partition: Partition) -> Iterator[Candidate]:
+    """Fill masks in boxes, except a hole through which the surroundings are seen, where they hold pixels."""
+    for box, mask in masks:
         inside = mask & partition.interest[box]
         if inside.any():
-            part = BoundedRegion.from_mask(inside, tuple(side.start for side in box))
-            yield part if _is_pierced(part, partition.values) else part.filled
+            part = Region.from_mask(inside, [side.start for side in box])
+            yield Candidate(part if _is_pierced(part, partition.values) else part.filled)
 
 
-def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[BoundedRegion]:
+def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[Region]:
     """Fill the first of some rings, each of shape (K, 2) [px], without what is in the others, where it holds pixels."""
     corner = np.maximum(np.floor(rings[0].min(axis=0)).astype(int), 0)
     end = np.minimum(np.ceil(rings[0].max(axis=0)).astype(int) + 1, interest.shape)
@@ -252,15 +229,13 @@ def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[BoundedRegion]:
         mask[skimage.draw.polygon(rows, cols, mask.shape)] = number == 0  # type: ignore[no-untyped-call]
     mask &= interest[tuple(map(slice, corner.tolist(), end.tolist()))]
     if mask.any():
-        yield BoundedRegion.from_mask(mask, tuple(corner.tolist()))
+        yield Region.from_mask(mask, corner)
 
 
-def split_region(region: BoundedRegion) -> Iterator[BoundedRegion]:
-    """Split a region at its necks into bodies that may be objects; yields nothing where it has no neck."""
-    least = max(MIN_OBJECT_AREA, _MIN_BODY_SHARE * region.area)
-    if region.area < 2 * MIN_OBJECT_AREA:
-        return
-    bodies = split_at_necks(np.pad(region.mask, 1))[1:-1, 1:-1]
-    large = np.flatnonzero(np.bincount(bodies.ravel())[1:] >= least) + 1
-    for number in large.tolist() if len(large) > 1 else ():
-        yield BoundedRegion.from_mask(bodies == number, tuple(side.start for side in region.box))
+def has_neck(region: Region) -> bool:
+    """Return whether a region has a neck between two bodies that may be objects."""
+    least = max(MIN_OBJECT_AREA, _MIN_BODY_SHARE * region.size)
+    if region.size < 2 * MIN_OBJECT_AREA:
+        return False
+    bodies = split_at_necks(np.pad(region.mask, 1))
+    return bool(np.count_nonzero(np.bincount(bodies.ravel())[1:] >= least) > 1)

@@ -10,7 +10,6 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -23,6 +22,7 @@ from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
 from cpm_core.field.start_area.start_area import object_enclosed_by
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_plane
+from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.numerics import polyline
@@ -38,7 +38,13 @@ from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Prompt
-from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, Selection, compute_iou, keep_last_marks
+from cpm_core.objects.selection import (
+    CONFLICTING_POINT_REMARK,
+    EXCLUDED_POINT_REMARK,
+    Candidate,
+    Selection,
+    keep_last_marks,
+)
 from cpm_core.objects.vessels import find_vessel_tree
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
@@ -81,14 +87,6 @@ _LEAST_CONFIDENCE = 0.05
 
 _UNLIKELY_REMARK = "There may be no object here: the confidence is almost zero."
 """Remark on a selection of almost no confidence, as in the background."""
-
-
-class Candidate(NamedTuple):
-    """A candidate for an object: pixels, shape (H, W), confidence features if known, and whether it is unambiguous."""
-
-    mask: Mask
-    features: ConfidenceFeatures | None = None
-    unambiguous: bool = False
 
 
 @record
@@ -270,7 +268,7 @@ class Partition(drawing.Pictured):
             those of the image.
         """
         request = self._read_request(inside, outside, stroke, box, previous, excluded)
-        return self._select_best(request, self._predict_candidates(request.prompt))
+        return self._outline_candidate(next(self._rank_candidates(request)), request)
 
     def find_candidates(
         self,
@@ -289,29 +287,41 @@ class Partition(drawing.Pictured):
         necks join them to others, and together with them.
         """
         request = self._read_request(inside, outside, stroke, box, previous, excluded)
-        answers = self._predict_candidates(request.prompt)
-        first = self._select_best(request, answers)
-        if request.is_empty:
-            return (first,)
-        others = sorted(self._select_others(request, first.mask, answers), key=lambda one: -one.confidence)
-        return tuple(sorted([first, *others[: _MAX_CANDIDATES - 1]], key=lambda one: np.count_nonzero(one.mask)))
+        first, *others = (self._outline_candidate(one, request) for one in self._rank_candidates(request))
+        others.sort(key=lambda one: -one.confidence)
+        return tuple(sorted([first, *others[: _MAX_CANDIDATES - 1]], key=lambda one: one.size))
 
-    def _select_best(self, request: _Request, answers: Iterator[Candidate]) -> Selection:
-        """Select the object that a request most likely means; `answers` are those of the network to its prompt."""
-        if request.has_only_positive:
-            mask = self._closed_regions.find_object_around(request.inside)
-            unambiguous = mask is not None
-            if mask is None:  # perhaps the points are drawn around an object
-                mask = object_enclosed_by(self.values, request.inside, ~self.interest)
-            if mask is not None and (mask & ~request.free).any():
-                mask, unambiguous = self._keep_connected(mask, request.prompt, request.free), False
-            if mask is not None:
-                return self._build_answer(Candidate(mask, unambiguous=unambiguous), request)
-        if request.is_empty:
-            remark = request.remark or "No point is marked as inside."
-            return self.build_selection(np.zeros(self.shape, bool), request.inside, request.outside, remark)
-        found = self._from_previous(request) or self._from_network(request.prompt, answers, request.free)
-        return self._build_answer(found, request)
+    def _rank_candidates(self, request: _Request) -> Iterator[Candidate]:
+        """Find the different objects that a request may mean, first the likeliest one."""
+        prompt, free = request.prompt, request.free
+        answers = self._predict_candidates(prompt)
+        best = self._from_closed_contour(request) or self._from_previous(request)
+        if best is None:
+            best = Candidate(Region()) if request.is_empty else self._keep_connected(
+                next(answers, Candidate(Region())), prompt, free
+            )  # fmt: skip
+        yield best
+        known = [best.region]
+        others = itertools.chain(answers, self._find_alternatives(best.region.paste(self.shape), prompt))
+        for other in others if not request.is_empty else ():
+            found = self._keep_connected(other, prompt, free)
+            if not found.region.is_empty and all(found.region.compute_iou(one) < _DUPLICATE_IOU for one in known):
+                known.append(found.region)
+                yield found
+
+    def _from_closed_contour(self, request: _Request) -> Candidate | None:
+        """Return what an unambiguous contour encloses around positive points alone, or what is drawn around."""
+        if not request.has_only_positive:
+            return None
+        mask = self._closed_regions.find_object_around(request.inside)
+        unambiguous = mask is not None
+        if mask is None:  # perhaps the points are drawn around an object
+            mask = object_enclosed_by(self.values, request.inside, ~self.interest)
+        if mask is None:
+            return None
+        if (mask & ~request.free).any():
+            return self._keep_connected(Candidate(Region.from_mask(mask)), request.prompt, request.free)
+        return Candidate(Region.from_mask(mask), unambiguous=unambiguous)
 
     def _from_previous(self, request: _Request) -> Candidate | None:
         """Return the previous mask, if any, corrected by the points that contradict it.
@@ -326,7 +336,8 @@ class Partition(drawing.Pictured):
             wrong = [(place, True) for place in prompt.positive if not mask[tuple(place)]]
             wrong += [(place, False) for place in prompt.negative if mask[tuple(place)]]
             if not wrong:
-                return Candidate(self._keep_connected(mask, prompt, request.free), unambiguous=corrected)
+                found = Candidate(Region.from_mask(mask), unambiguous=corrected)
+                return self._keep_connected(found, prompt, request.free)
             fixed = prompt.negative, prompt.positive
             changed = (self._closed_regions.correct_mask(mask, place, adds, fixed[not adds]) for place, adds in wrong)
             better = next((one for one in changed if one is not None), None)
@@ -336,38 +347,29 @@ class Partition(drawing.Pictured):
 
     def _correct_by_network(self, prompt: Prompt, mask: Mask, free: Mask) -> Candidate:
         """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove."""
-        found = next(self._predict_candidates(prompt), Candidate(mask))
+        before = Region.from_mask(mask)
+        found = next(self._predict_candidates(prompt), Candidate(before))
         adds, removes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
         if adds != removes:
-            found = found._replace(mask=found.mask | mask if adds else found.mask & mask)
-        return found._replace(mask=self._keep_connected(found.mask, prompt, free))
+            changed = found.region.united(before) if adds else found.region.shared_with(before)
+            found = found._replace(region=changed)
+        return self._keep_connected(found, prompt, free)
 
-    def _from_network(self, prompt: Prompt, answers: Iterator[Candidate], free: Mask) -> Candidate:
-        """Return the first answer of the network to a prompt; only the pixels of its points without any."""
-        found = next(answers, Candidate(np.zeros(self.shape, bool)))
-        return found._replace(mask=self._keep_connected(found.mask, prompt, free))
-
-    def _build_answer(self, found: Candidate, request: _Request) -> Selection:
-        """Build the selection of a candidate, with a remark if hardly anything says that it is an object.
+    def _outline_candidate(self, found: Candidate, request: _Request) -> Selection:
+        """Outline a candidate, with a remark if hardly anything says that it is an object.
 
         What has not changed stays the previous selection: another point that says the same makes it no more likely.
         """
         inside, outside, remark, previous = request.inside, request.outside, request.remark, request.previous
-        if previous is not None and np.array_equal(found.mask, previous.mask):
+        mask = found.region.paste(self.shape)
+        if request.is_empty:
+            return self.build_selection(mask, inside, outside, remark or "No point is marked as inside.")
+        if previous is not None and np.array_equal(mask, previous.mask):
             return replace(previous, inside=inside, outside=outside, remark=remark)
-        answer = self.build_selection(found.mask, inside, outside, remark, found.features, found.unambiguous)
+        answer = self.build_selection(mask, inside, outside, remark, found.features, found.unambiguous)
         if not remark and answer.has_only_points:
             return replace(answer, remark=_NO_OBJECT_REMARK)
         return answer if remark or answer.confidence >= _LEAST_CONFIDENCE else replace(answer, remark=_UNLIKELY_REMARK)
-
-    def _select_others(self, request: _Request, first: Mask, answers: Iterator[Candidate]) -> Iterator[Selection]:
-        """Select the other objects that a request may mean besides the first one, shape (H, W)."""
-        known = [first]
-        for found in itertools.chain(answers, self._find_alternatives(first, request.prompt)):
-            mask = self._keep_connected(found.mask, request.prompt, request.free)
-            if mask.any() and all(compute_iou(mask, other) < _DUPLICATE_IOU for other in known):
-                known.append(mask)
-                yield self.build_selection(mask, request.inside, request.outside, request.remark, found.features)
 
     def _read_request(
         self,
@@ -398,7 +400,7 @@ class Partition(drawing.Pictured):
         places, remark = self._resolve_points(meant, beyond, free, newer)
         lasso = meant if len(meant) >= MIN_DRAWN_PLACES else NO_POINTS
         prompt = self._add_drawn_prompts(places, lasso, line, corners, free)
-        mask = previous.mask if previous is not None and previous.mask.any() else None
+        mask = previous.mask if previous is not None and previous.has_boundary else None
         has_only_points = mask is None and not len(line) and not len(corners)
         if has_only_points and len(beyond):  # negative points correct what a contour encloses
             mask = self._closed_regions.find_object_around(within)
@@ -441,7 +443,7 @@ class Partition(drawing.Pictured):
         elif not self.interest[tuple(pixels.T)].all():
             remark = "A point outside the regions of interest is ignored."
         elif not free[tuple(pixels.T)].all():
-            remark = "A point in another object is ignored."
+            remark = EXCLUDED_POINT_REMARK
         newer = np.zeros(len(within), bool) if newer is None else newer
         within, beyond, contradicting = keep_last_marks(within, beyond, newer)
         remark = CONFLICTING_POINT_REMARK if contradicting else remark
@@ -456,7 +458,7 @@ class Partition(drawing.Pictured):
             return
         tree = find_vessel_tree(self.values, prompt.positive) if prompt.has_only_positive else None
         if tree is not None:
-            yield Candidate(tree)
+            yield Candidate(Region.from_mask(tree))
         for likely in self._predictor.predict_objects(prompt, area):
             mask = likely.mask
             if likely.downsampling > 1.0 and self.contours:  # contours are more exact than a coarse prediction
@@ -464,21 +466,20 @@ class Partition(drawing.Pictured):
                 paths = self._find_contour_paths(box, corner)
                 if paths:
                     mask[box] = snap_to_contours(mask[box], find_crossings(paths, mask[box].shape), likely.downsampling)
-            yield Candidate(
-                mask, ConfidenceFeatures(*likely[2:], point_count=len(prompt.positive) + len(prompt.negative))
-            )
+            features = ConfidenceFeatures(*likely[2:], point_count=len(prompt.positive) + len(prompt.negative))
+            yield Candidate(Region.from_mask(mask), features)
 
     def _find_alternatives(self, mask: Mask, prompt: Prompt) -> Iterator[Candidate]:
         """Find alternatives to an object: closed contours around it, a body of it alone, or more than it."""
         pixels = prompt.positive if prompt.drawn_area is None else np.argwhere(prompt.drawn_area)
         if len(pixels):
             enclosed = self._closed_regions.find_enclosing_masks(pixels)
-            yield from map(Candidate, itertools.islice(enclosed, _MAX_CLOSED_CANDIDATES))
-            yield Candidate(_cut_body_at_necks(mask, pixels))
+            for found in (*itertools.islice(enclosed, _MAX_CLOSED_CANDIDATES), _cut_body_at_necks(mask, pixels)):
+                yield Candidate(Region.from_mask(found))
         if mask.any():
             joined = self._join_similar_pixels(mask)
             if _MIN_GROWTH < np.count_nonzero(joined) / np.count_nonzero(mask) < _MAX_GROWTH:
-                yield Candidate(joined)
+                yield Candidate(Region.from_mask(joined))
 
     def _join_similar_pixels(self, mask: Mask) -> Mask:
         """Join an object, shape (H, W), with the pixels connected to it that are similar."""
@@ -492,9 +493,9 @@ class Partition(drawing.Pictured):
         joined[wide] = _select_connected(similar, np.argwhere(mask[wide]))
         return joined
 
-    def _keep_connected(self, mask: Mask, prompt: Prompt, free: Mask) -> Mask:
-        """Keep the free parts of a mask that are connected to the prompt, with all positive points, no negative one."""
-        mask = mask & free
+    def _keep_connected(self, candidate: Candidate, prompt: Prompt, free: Mask) -> Candidate:
+        """Keep the free parts that are connected to the prompt, with all positive points and no negative one."""
+        mask = candidate.region.paste(self.shape) & free
         mask[tuple(prompt.positive.T)] = True
         mask[tuple(prompt.negative.T)] = False
         box, corner = _padded_box(mask)
@@ -508,12 +509,13 @@ class Partition(drawing.Pictured):
             part, np.concatenate(held), find_crossings(self._find_barrier_paths(corner), part.shape).pixels
         )
         mask[box] = _drop_fragments(part, ~free[box])
-        return mask
+        return candidate._replace(region=Region.from_mask(mask))
 
     def complete_object(self, drawn: Mask, area: float) -> Mask:
         """Complete drawn pixels to an object of about this area [px²]; masks of shape (H, W)."""
         prompt = Prompt(np.empty((0, 2), np.int64), drawn_area=drawn)
-        return self._from_network(prompt, self._predict_candidates(prompt, area), self.interest).mask
+        found = next(self._predict_candidates(prompt, area), Candidate(Region()))
+        return self._keep_connected(found, prompt, self.interest).region.paste(self.shape)
 
     def find_unambiguous_objects(self) -> Iterator[Mask]:
         """Find the objects that closed contours enclose unambiguously, each of shape (H, W), the largest first."""
@@ -534,7 +536,7 @@ class Partition(drawing.Pictured):
         them.
         """
         if not mask.any():
-            return Selection(mask, (), (), 0.0, inside, outside, remark, image=self.image)
+            return Selection(Region(), self.shape, inside, outside, confidence=0.0, remark=remark, image=self.image)
         found = self.outline_mask(mask)
         if features is None:
             places = len(inside) + len(outside)
@@ -547,13 +549,18 @@ class Partition(drawing.Pictured):
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
         confidence = estimate_confidence(features)
-        return Selection(mask, contours, gaps, confidence, inside, outside, remark, features, self.image)
+        return Selection(
+            Region.from_mask(mask), self.shape, inside, outside, contours, gaps, confidence, remark, features,
+            image=self.image,
+        )  # fmt: skip
 
     def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
         """Remove pixels from a selection, masks of shape (H, W), and what they cut off from its positive points.
 
         The rest is as likely an object as the whole was.
         """
+        if not (selection.mask & excluded).any():
+            return selection
         prompt, _ = self._resolve_points(selection.inside, NO_POINTS, self.interest & ~excluded)
         mask = selection.mask & ~excluded
         if len(prompt.positive):
@@ -685,11 +692,11 @@ def _is_among(places: Array, others: Array) -> Mask:
 def _replace_surrounding_points(inside: Array, before: Selection) -> Array:
     """Drop points around the object selected before; add the middle of each of its parts without a point."""
     around = before.inside[~before.contains(before.inside)]
-    if not len(around) or not before.mask.any():
+    if not len(around) or not before.has_boundary:
         return inside
     rest = inside[~_is_among(inside, around)]
     parts, count = scipy.ndimage.label(np.pad(before.mask, 1), np.ones((3, 3), bool))
-    place = np.clip(np.rint(rest[before.contains(rest)]), 0, np.array(before.mask.shape) - 1).astype(int) + 1
+    place = np.clip(np.rint(rest[before.contains(rest)]), 0, np.array(before.shape) - 1).astype(int) + 1
     empty = np.setdiff1d(np.arange(1, count + 1), parts[tuple(place.T)])
     depth = scipy.ndimage.distance_transform_edt(parts > 0)
     middles = np.array(scipy.ndimage.maximum_position(depth, parts, empty), float).reshape(-1, 2) - 1.0

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property
 
 import numpy as np
 import scipy
 import skimage
 
-from cpm_core.field.edge_map import edge_map
+from cpm_core.image.region import Region
 from cpm_core.numerics.grids import Window, expand_window
-from cpm_core.numerics.types import Array, Extent, Mask, record
-from cpm_core.objects.candidate_regions import BoundedRegion, split_region
-from cpm_core.objects.confidence import RegionFeatures
+from cpm_core.numerics.types import Extent, Mask, record
+from cpm_core.objects.candidate_regions import has_neck
+from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures
+from cpm_core.objects.image_parts import ImageParts
+from cpm_core.objects.merged_basins import find_largest_component
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
-from cpm_core.objects.prior.object_predictor import Prediction
+from cpm_core.objects.selection import Candidate
 
 _MARGIN = 5
 """Margin around the box of a region in which it is measured [px]."""
@@ -38,101 +38,76 @@ _STRONG_PERCENTILE = 95.0
 
 
 @record
-class ObjectCandidate:
-    """A region that may be an object, with what the network says of it.
-
-    Attributes
-    ----------
-    region : BoundedRegion
-        Its pixels.
-    prediction : Prediction
-        Prediction of the network with this region, or the one that it was changed from, as the previous mask.
-    likelihood : float
-        Overlap of the region with an object that the network predicts.
-    """
-
-    region: BoundedRegion
-    prediction: Prediction
-    likelihood: float
-
-
-@record
 class RegionEvidence:
     """Evidence for regions of an image.
 
     Attributes
     ----------
-    partition : Partition
-        The image.
+    parts : ImageParts
+        The image with its contours.
     """
 
-    partition: Partition
+    parts: ImageParts
 
-    def predict_candidates(self, region: BoundedRegion) -> Iterator[ObjectCandidate]:
+    @property
+    def partition(self) -> Partition:
+        """The image."""
+        return self.parts.partition
+
+    def predict_candidates(self, bounded: Candidate) -> Iterator[Candidate]:
         """Predict by the network how likely a region is, and, unless that is exact, what it would change it to."""
+        region = bounded.region
         found = self.partition.evaluate_mask(region.paste(self.partition.shape))
-        yield ObjectCandidate(region, found, found.predicted_iou * found.iou_to_previous)
-        if region.unambiguous:
+        features = ConfidenceFeatures(*found[2:], point_count=0)
+        likelihood = found.predicted_iou * found.iou_to_previous
+        yield bounded._replace(features=features, likelihood=likelihood)
+        if bounded.unambiguous:
             return
         mask = found.mask & self.partition.interest
-        mask[region.box] &= ~(region.filled.mask & ~region.mask)
+        mask[region.window] &= ~(region.filled.mask & ~region.mask)
         if mask.any():
-            changed = BoundedRegion.from_mask(find_largest_component(mask))
-            yield ObjectCandidate(changed if region.has_holes else changed.filled, found, found.predicted_iou)
+            changed, has_holes = Region.from_mask(find_largest_component(mask)), region.filled != region
+            yield Candidate(changed if has_holes else changed.filled, features, likelihood=found.predicted_iou)
 
-    def measure_candidates(self, candidates: Sequence[ObjectCandidate]) -> list[RegionFeatures]:
+    def measure_candidates(self, candidates: Sequence[Candidate]) -> list[RegionFeatures]:
         """Measure what the confidence of each candidate is estimated from, among all candidates of the image."""
         best = np.zeros(self.partition.shape)
         for one in candidates:
-            there = best[one.region.box]
+            there = best[one.region.window]
             np.maximum(there, np.where(one.region.mask, one.likelihood, 0.0), out=there)
         return [
-            self._measure_region(one, float(best[one.region.box][one.region.mask].mean()) - one.likelihood)
+            self._measure_region(one, float(best[one.region.window][one.region.mask].mean()) - one.likelihood)
             for one in candidates
         ]
 
-    def _measure_region(self, candidate: ObjectCandidate, rivalry: float) -> RegionFeatures:
+    def _measure_region(self, candidate: Candidate, rivalry: float) -> RegionFeatures:
         """Measure a candidate whose pixels others hold with a likelihood that is larger by `rivalry`."""
         region, partition = candidate.region, self.partition
-        window = expand_window(region.box, _MARGIN, partition.shape)
-        mask, values, strength = region.cut_out(window), partition.values[window], self._edge_strength[window]
+        window = expand_window(region.window, _MARGIN, partition.shape)
+        mask, values, strength = region.cut_out(window), partition.values[window], self.parts.edge_strength[window]
         inside = scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"))[1:-1, 1:-1]
         rim, deep = (inside > 0.0) & (inside <= 1.0), strength[inside > _INNER_DEPTH]
         border = _count_border_pixels(mask, window, partition.shape)
         along = scipy.ndimage.maximum_filter(strength, 3)[rim]
         usual, weak = np.percentile(along, [50.0, _WEAK_PERCENTILE]) if along.size else (0.0, 0.0)
-        likely = candidate.prediction
+        likely = candidate.features or ConfidenceFeatures(point_count=0)
         find_hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
-        solidity = region.filled.area / np.count_nonzero(find_hull(region.mask))
+        solidity = region.filled.size / np.count_nonzero(find_hull(region.mask))
         return RegionFeatures(
             likely.predicted_iou,
             likely.mean_certainty,
             likely.iou_to_previous,
             rivalry,
-            region.area,
+            region.size,
             solidity,
             border / (border + along.size),
-            float(along.mean()) / self._gray_span if along.size else 0.0,
+            float(along.mean()) / self.parts.gray_span if along.size else 0.0,
             weak / max(usual, _TINY),
             float(np.percentile(deep, _STRONG_PERCENTILE)) / max(usual, _TINY) if deep.size else 1.0,
-            float(values[mask].std()) / self._gray_span,
-            region.unambiguous,
-            bool(solidity < _NECK_SOLIDITY) and any(split_region(region)),
+            float(values[mask].std()) / self.parts.gray_span,
+            candidate.unambiguous,
+            bool(solidity < _NECK_SOLIDITY) and has_neck(region),
         )
-
-    @cached_property
-    def _edge_strength(self) -> Array:
-        """Edge map by which boundaries are judged, shape (H, W)."""
-        parent = self.partition.parent
-        return edge_map(self.partition.values, "auto" if parent is None else parent.smoothing)
-
-    @cached_property
-    def _gray_span(self) -> float:
-        """Difference of the gray levels that are black and white for the network."""
-        parent, values = self.partition.parent, self.partition.values
-        step = find_sample_step(values.shape)
-        low, high = measure_gray_range(values[::step, ::step]) if parent is None else parent.gray_range
-        return max(high - low, _TINY)
 
 
 def _count_border_pixels(mask: Mask, window: Window, shape: Extent) -> int:
@@ -143,11 +118,3 @@ def _count_border_pixels(mask: Mask, window: Window, shape: Extent) -> int:
         lines[0] |= side.start == 0
         lines[-1] |= side.stop == n
     return int(np.count_nonzero(on & mask))
-
-
-def find_largest_component(mask: Mask) -> Mask:
-    """Find the largest connected part of a mask."""
-    parts, _ = scipy.ndimage.label(mask)
-    sizes = np.bincount(parts.ravel())
-    sizes[0] = 0
-    return parts == sizes.argmax()

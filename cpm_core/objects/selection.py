@@ -2,38 +2,48 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Arrays, Index, Mask, record
+from cpm_core.image.region import Region
+from cpm_core.image.surface import Surface
+from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.confidence import ConfidenceFeatures
+from cpm_core.objects.prior.body_prediction import BodyPrediction
 from cpm_core.parameters.formatting import format_count, format_repr
 
 
 @record
 class Selection(drawing.Pictured):
-    """An object: a set of pixels with its closed boundary.
+    """An object of an image or a volume that a prompt selects.
 
     Attributes
     ----------
-    mask : ndarray of bool, shape (H, W)
-        Pixels whose centers lie in the object.
+    region : Region
+        Its pixels; in a volume its voxels within its surface, which is not known once the object has been painted.
+    shape : tuple of int
+        Shape of the image.
+    inside, outside : ndarray, shape (M, D) and (K, D)
+        The positive and negative points of the prompt [px].
     contours : tuple of Contour
-        Its closed boundary: outlines of its parts and of its holes.
+        Its closed boundary in an image: outlines of its parts and of its holes.
     gaps : tuple of ndarray, shape (K, 2)
         Stretches of the boundary that follow no contour [px].
     confidence : float
-        Probability, 0 to 1, that its overlap with the intended object is at least `confidence.CORRECT_IOU`.
-    inside, outside : ndarray, shape (M, 2) and (K, 2)
-        The positive and negative points of the prompt [px].
+        Probability, 0 to 1, that its overlap with the intended object is at least `confidence.CORRECT_IOU`; NaN in a
+        volume, where it is not known.
     remark : str
         One sentence on what was unusual about the points, or on an answer of almost no confidence; else empty.
     features : ConfidenceFeatures or None
         Features that the confidence was estimated from.
+    prediction : BodyPrediction or None
+        In a volume, what the network predicted, for further points to correct.
     image : Image or None
         The image that it was selected in; None where that is not known.
 
@@ -42,52 +52,111 @@ class Selection(drawing.Pictured):
     >>> chosen = cpm.partition(cpm.example("disks")).select([(32, 18)])
     >>> chosen.mask.shape, chosen.contours[0].closed, len(chosen.gaps), chosen.has_only_points
     ((64, 64), True, 0, False)
-    >>> chosen.has_boundary, chosen.has_same_region(chosen)
-    (True, True)
+    >>> chosen.has_boundary, chosen.has_same_region(chosen), chosen.size
+    (True, True, 301.0)
     >>> chosen.contains(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
     [True, False]
     >>> axes = chosen.plot()
+    >>> body = cpm.partition(cpm.example("ball")).select([(15, 15, 15)])
+    >>> body, body.mask.shape, body.surface.closed
+    (<Selection ball, 1 part>, (31, 31, 31), True)
     """
 
-    mask: Mask
-    contours: tuple[Contour, ...]
-    gaps: Arrays
-    confidence: float
+    region: Region
+    shape: Extent
     inside: Array
     outside: Array
+    contours: tuple[Contour, ...] = ()
+    gaps: Arrays = ()
+    confidence: float = np.nan
     remark: str = ""
     features: ConfidenceFeatures | None = None
+    prediction: BodyPrediction | None = None
     image: Image | None = None
+
+    @property
+    def mask(self) -> Mask:
+        """Pixels whose centers lie in the object, an array in the shape of the image."""
+        return self.region.paste(self.shape)
+
+    @cached_property
+    def surface(self) -> Surface | None:
+        """Its surface in a volume, with the size of a voxel; None in an image, and where nothing is selected."""
+        if self.region.ndim == 2 or self.region.is_empty:
+            return None
+        surface, image = self.region.find_surface(), self.image
+        if image is None or (surface.spacing, surface.unit) == (image.spacing, image.unit):
+            return surface
+        return replace(surface, spacing=image.spacing, unit=image.unit)
 
     @property
     def has_boundary(self) -> bool:
         """Whether it has a boundary."""
-        return bool(self.contours)
+        return not self.region.is_empty
+
+    @property
+    def size(self) -> float:
+        """Area [px²], or volume within its surface, in the unit of the image, cubed."""
+        if len(self.shape) == 2:
+            return self.region.size
+        return self.surface.volume if self.surface is not None else 0.0
 
     def has_same_region(self, other: Selection) -> bool:
-        """Return whether another selection has the same pixels."""
-        return np.array_equal(self.mask, other.mask)
+        """Return whether another selection has the same pixels, in a volume within the same surface."""
+        return self.region == other.region
 
     @property
     def has_only_points(self) -> bool:
         """Whether it holds only the pixels of the positive points: no object was found around them."""
-        return bool(0 < np.count_nonzero(self.mask) <= len(self.inside))
+        return len(self.shape) == 2 and 0 < self.region.size <= len(self.inside)
 
     def contains(self, places: Array) -> Mask:
-        """Return which points, shape (N, 2) [px], lie in it, shape (N,); one outside is moved to the nearest pixel."""
-        pixel = np.rint(np.clip(places, 0, np.array(self.mask.shape) - 1)).astype(int)
-        return self.mask[tuple(pixel.T)]
+        """Return which points, shape (N, D) [px], lie in it, shape (N,); one outside is moved to the nearest pixel."""
+        return self.region.encloses(np.rint(np.clip(places, 0, np.array(self.shape) - 1)))
 
     def __repr__(self) -> str:
-        pixels, contours = f"{np.count_nonzero(self.mask):,} px", format_count(len(self.contours), "contour")
+        if len(self.shape) == 3:
+            parts = 0 if self.surface is None else self.surface.components
+            source = "" if self.image is None else self.image.source
+            return format_repr("Selection", source, format_count(parts, "part"))
+        pixels, contours = f"{self.region.size:,.0f} px", format_count(len(self.contours), "contour")
         return format_repr(
             "Selection", pixels, contours, format_count(len(self.gaps), "gap"), f"{100.0 * self.confidence:.0f} % sure"
         )
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
-        """Draw the pixels of the object and its boundaries by matplotlib."""
+        """Draw the pixels of the object and its boundaries by matplotlib, or its surface."""
+        if self.surface is not None:
+            return self.surface.plot(ax)
         return drawing.draw_curves_on_image(ax, self.mask.astype(float), self.contours)
 
+
+class Candidate(NamedTuple):
+    """A region that may be an object.
+
+    Attributes
+    ----------
+    region : Region
+        Its pixels.
+    features : ConfidenceFeatures or None
+        What its confidence is estimated from, as far as it is known.
+    unambiguous : bool
+        Whether an unambiguous contour encloses it.
+    likelihood : float
+        Overlap with an object that the network predicts.
+    confidence : float
+        Probability that it is an object.
+    """
+
+    region: Region
+    features: ConfidenceFeatures | None = None
+    unambiguous: bool = False
+    likelihood: float = 0.0
+    confidence: float = 0.0
+
+
+EXCLUDED_POINT_REMARK = "A point in another object is ignored."
+"""Remark on a selection by points some of which are on excluded pixels."""
 
 CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; the last mark counts."
 """Remark on a selection by points that contradict each other."""

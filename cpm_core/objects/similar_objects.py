@@ -10,8 +10,8 @@ import scipy
 from cpm_core.objects.all_objects import build_proposal
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
+from cpm_core.objects.merged_basins import find_largest_component
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.region_evidence import find_largest_component
 from cpm_core.objects.selection import Selection
 
 _SIZE_RANGE = (0.2, 4.0)
@@ -31,13 +31,13 @@ def find_similar_objects(partition: Partition, chosen: Selection) -> Iterator[Se
     strength of their boundary are similar. Where two bodies touch, they are split at the neck between them. Objects
     that the border of the image cuts are closed along it, and may be smaller.
     """
-    area = float(np.count_nonzero(chosen.mask))
+    mask, area = chosen.mask, chosen.region.size
     if not area:
         return
     parts = split_at_necks(
-        find_similar_pixels(partition.values, chosen.mask, partition.interest), float(np.sqrt(area / np.pi))
+        find_similar_pixels(partition.values, mask, partition.interest), float(np.sqrt(area / np.pi))
     )
-    parts[chosen.mask] = 0
+    parts[mask] = 0
     limit, strength = np.array(partition.shape) - 1, _measure_boundary_strength(chosen)
     boxes = enumerate(scipy.ndimage.find_objects(parts), start=1)
     for number, box in ((number, box) for number, box in boxes if box):

@@ -10,7 +10,7 @@ from outlined images (`prior.body_predictor`), and further clicks correct its an
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import field, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import islice
 from typing import Protocol
@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
-from cpm_core.contours.surface import Surface, voxelize_surface
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
+from cpm_core.image.region import Region
+from cpm_core.image.surface import Surface, voxelize_surface
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
@@ -38,8 +38,8 @@ from cpm_core.objects.prior.body_prediction import (
 from cpm_core.objects.prior.body_predictor import BodyPredictor
 from cpm_core.objects.prior.body_surface import extract_body_surface
 from cpm_core.objects.prior.crops import CROP_SIDE, resample_with_tent
-from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, keep_last_marks
-from cpm_core.parameters.formatting import format_count, format_repr, format_size
+from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, EXCLUDED_POINT_REMARK, Selection, keep_last_marks
+from cpm_core.parameters.formatting import format_repr, format_size
 
 _BODY_LOOKUP_DISTANCE = 0.75
 """Distance from a surface at which the bodies on its sides are looked up [smallest sides of a voxel]."""
@@ -51,6 +51,9 @@ _NO_BODY_REMARK = "No body was found at this place."
 
 EMPTY_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
 """The surface of a volume in which nothing has run yet."""
+
+NO_VOXELS = Region.from_pixels(np.empty((0, 3), np.int64))
+"""The region of a volume in which nothing is selected."""
 
 
 class FoundInImage(Protocol):
@@ -111,8 +114,8 @@ class VolumePartition:
     ((31, 31, 31), 1, [1], '')
     >>> len(bodies.find_candidates([(15, 15, 15)]))
     1
-    >>> bodies.build_selection(bodies.select([(15, 15, 15)]).packed_body, [(15, 15, 15)])
-    <VolumeSelection ball, 1 part>
+    >>> bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
+    <Selection ball, 1 part>
     """
 
     image: Image
@@ -161,65 +164,88 @@ class VolumePartition:
         return self._parts[0][1]
 
     def select(
-        self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
-    ) -> VolumeSelection:
+        self,
+        inside: ArrayLike,
+        outside: ArrayLike = (),
+        *,
+        previous: Selection | None = None,
+        excluded: Mask | None = None,
+    ) -> Selection:
         """Select the bodies that positive points lie in, without those that negative points lie in.
 
         Parameters
         ----------
         inside, outside : array_like, shape (M, 3) and (K, 3)
             Positive and negative points (plane, row, col) [voxels]. One outside the volume is moved to its border.
-        previous : VolumeSelection, optional
+        previous : Selection, optional
             The selection before; the points are added to its own.
+        excluded : ndarray of bool, shape (P, R, C), optional
+            Voxels that are not selected, such as those of other objects. What they cut consists of voxels.
 
         Returns
         -------
-        VolumeSelection
+        Selection
             Empty when no positive point lies in a body, or the first one in nothing but background.
 
         Raises
         ------
         ValueError
-            When points are not planes, rows and columns.
+            When points are not planes, rows and columns, or the excluded voxels are not those of the volume.
         """
         within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
+        if excluded is not None:
+            if excluded.shape != self.shape:
+                shapes = format_size(excluded.shape), format_size(self.shape)
+                raise ValueError("the excluded voxels are {} but the volume is {}.".format(*shapes))
+            free = ~excluded[tuple(self._find_nearest_voxels(within).T)]
+            found = self.remove_pixels(self.select(within[free], beyond, previous=previous), excluded)
+            return found if free.all() else replace(found, remark=EXCLUDED_POINT_REMARK)
         if previous is not None:
             within, beyond = _append_new_points(previous.inside, within), _append_new_points(previous.outside, beyond)
-        if not len(within):
-            return VolumeSelection(self, EMPTY_SURFACE, within, beyond, _NO_POINT_REMARK)
+        painted = None
+        if previous is not None and previous.has_boundary and previous.region.surface is None:
+            painted = previous.region if previous.prediction is None else None  # else cut by excluded voxels
         wanted, unwanted = self.find_body_numbers(within), self.find_body_numbers(beyond)
         chosen = np.setdiff1d(wanted, unwanted)
-        voxels = None if previous is None else previous.voxels
-        if wanted.all() and len(chosen) and voxels is None:
+        if not len(within):
+            found = self._build_selection(None, within, beyond, _NO_POINT_REMARK)
+        elif wanted.all() and len(chosen) and painted is None:
             remark = _CONFLICTING_BODY_REMARK if np.isin(wanted, unwanted).any() else ""
-            found = VolumeSelection(self, self.extract_boundary(chosen), within, beyond, remark)
+            found = self._build_selection(self.extract_boundary(chosen), within, beyond, remark)
         else:
-            found = self._select_by_network(within, beyond, previous, voxels)
-            if (previous is None or not previous.has_boundary) and found.has_boundary:
-                in_background = lies_in_background(self.image.values, within[0], found.surface)
-                found = replace(found, surface=EMPTY_SURFACE, body=None) if in_background else found
+            found = self._select_by_network(within, beyond, previous, painted)
+            begins = previous is None or not previous.has_boundary
+            surface = found.surface
+            if begins and surface is not None and lies_in_background(self.image.values, within[0], surface):
+                found = self._build_selection(None, within, beyond, found.remark)
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
     def find_candidates(
-        self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
-    ) -> tuple[VolumeSelection, ...]:
+        self,
+        inside: ArrayLike,
+        outside: ArrayLike = (),
+        *,
+        previous: Selection | None = None,
+        excluded: Mask | None = None,
+    ) -> tuple[Selection, ...]:
         """Find the different bodies that points, shape (M, 3) [voxels], may mean, from the smallest to the largest.
 
         One of them is the result of `select`, which has the same parameters. The others are predictions in crops of
         other sizes around the first positive point.
         """
-        first = self.select(inside, outside, previous=previous)
+        first = self.select(inside, outside, previous=previous, excluded=excluded)
         found = [first]
         if len(first.inside):
             for body in self._predict_bodies(first.inside[:1]):
                 other = self._correct_body(body, first.inside, first.outside, "")
-                if other.has_boundary and all(is_different_body(other.volume, one.volume) for one in found):
+                other = other if excluded is None else self.remove_pixels(other, excluded)
+                if other.has_boundary and all(is_different_body(other.size, one.size) for one in found):
                     found.append(other)
-        return tuple(sorted(found, key=lambda one: one.volume))
+        return tuple(sorted(found, key=lambda one: one.size))
 
     def _select_by_network(
-        self, inside: Array, outside: Array, previous: VolumeSelection | None, voxels: PackedVoxels | None
-    ) -> VolumeSelection:
+        self, inside: Array, outside: Array, previous: Selection | None, painted: Region | None
+    ) -> Selection:
         """Select a body by the network, starting from what was selected before."""
         newer = np.arange(len(inside)) >= (len(inside) if previous is None else len(previous.inside))
         within, beyond, contradicting = keep_last_marks(inside, outside, newer)
@@ -229,20 +255,20 @@ class VolumePartition:
             remark = remark if here.all() and there.all() else _OUTSIDE_INTEREST_REMARK
             within, beyond = within[here], beyond[there]
         if not len(within):
-            return VolumeSelection(self, EMPTY_SURFACE, inside, outside, remark)
+            return self._build_selection(None, inside, outside, remark)
         size = self._predictor.voxel_sides
-        if previous is not None and previous.body is not None:
-            body = previous.body
+        if previous is not None and previous.prediction is not None:
+            body = previous.prediction
         elif previous is not None and previous.has_boundary:
             body = body_from_mask(previous.mask, size)
         else:
             body = self._predict_bodies(within[:1], 1)[0]
-        found = self._correct_body(body, within, beyond, remark, voxels)
+        found = self._correct_body(body, within, beyond, remark, painted)
         return replace(found, inside=inside, outside=outside)
 
     def _correct_body(
-        self, body: BodyPrediction, inside: Array, outside: Array, remark: str, voxels: PackedVoxels | None = None
-    ) -> VolumeSelection:
+        self, body: BodyPrediction, inside: Array, outside: Array, remark: str, painted: Region | None = None
+    ) -> Selection:
         """Correct a body by the points that contradict it, and find its surface, or its voxels once painted."""
         size, (within, beyond) = self._predictor.voxel_sides, map(self._clip_points, (inside, outside))
         for places, adds in ((within, True), (beyond, False)):
@@ -250,22 +276,22 @@ class VolumePartition:
                 if (body.interpolate_logit(place * size) > 0.0) != adds:
                     before = body
                     body = self._predictor.correct_body(before, place * size, adds, within * size, beyond * size)
-                    if voxels is not None:
-                        voxels = self._repaint_voxels(voxels, before, body, place, adds)
-        if voxels is not None:
-            return replace(self.build_selection(voxels), inside=inside, outside=outside, remark=remark)
+                    if painted is not None:
+                        changed = self._find_change(before, body, place)
+                        left = painted.united(changed) if adds else painted.without(changed)
+                        painted = painted if left.is_empty else left
+        if painted is not None:
+            return replace(self.build_selection(painted, inside, outside), remark=remark)
         image, shown = self.image, body
         if self._interest is not None:
             shown = replace(body, logits=np.minimum(body.logits, logits_from_mask(self._interest, size, body.crop)))
         surface = extract_body_surface(
             shown, image.values, size, within, beyond, image.spacing, image.unit, self._interest
         )
-        return VolumeSelection(self, surface, inside, outside, remark, body)
+        return self._build_selection(surface, inside, outside, remark, body)
 
-    def _repaint_voxels(
-        self, voxels: PackedVoxels, before: BodyPrediction, after: BodyPrediction, place: Array, adds: bool
-    ) -> PackedVoxels:
-        """Add to voxels what a point has added to a body near it, or remove what it has removed."""
+    def _find_change(self, before: BodyPrediction, after: BodyPrediction, place: Array) -> Region:
+        """Find the voxels near a point in which a body differs from what it was before the point."""
         cube, size = after.crop, self._predictor.voxel_sides
         at = np.rint(place).astype(np.int64)
         first = np.clip(np.ceil(cube.to_positions(np.zeros(3)) / size).astype(np.int64), 0, at)
@@ -277,14 +303,42 @@ class VolumePartition:
         if self._interest is not None:
             changed &= self._interest[tuple(map(slice, first, end))]
         changed[tuple(at - first)] = True
-        known = voxels.mask_in_box(first, changed.shape)
-        return voxels.with_box_replaced(first, known | changed if adds else known & ~changed) or voxels
+        return Region.from_mask(changed, first)
 
-    def build_selection(self, body: PackedBody, inside: ArrayLike = (), outside: ArrayLike = ()) -> VolumeSelection:
-        """Build the selection of the body of an object, with its points, shape (M, 3) and (K, 3) [voxels]."""
+    def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
+        """Remove voxels from a selection, a mask of the volume, and what they cut off from its positive points."""
+        first, mask = selection.region.cut_to((0, 0, 0), self.shape)
+        taken = excluded[tuple(slice(at, at + count) for at, count in zip(first, mask.shape, strict=True))]
+        if not (mask & taken).any():
+            return selection
+        parts = find_connected_parts(mask & ~taken, corners=True)
+        voxels = self._find_nearest_voxels(selection.inside) - first
+        found = parts.part_at(voxels[((voxels >= 0) & (voxels < mask.shape)).all(axis=1)])
+        held = np.isin(parts.labels, found[found >= 0] + 1) if (found >= 0).any() else parts.labels > 0
+        return replace(selection, region=Region.from_mask(held, first) if held.any() else NO_VOXELS)
+
+    def build_selection(self, region: Region, inside: ArrayLike = (), outside: ArrayLike = ()) -> Selection:
+        """Build the selection of a region, such as that of an object, with its points, shape (M, 3) and (K, 3)."""
         within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
-        surface = replace(body.surface, spacing=self.image.spacing, unit=self.image.unit)
-        return VolumeSelection(self, surface, within, beyond, voxels=body if isinstance(body, PackedVoxels) else None)
+        return Selection(region, self.shape, within, beyond, image=self.image)
+
+    def _build_selection(
+        self,
+        surface: Surface | None,
+        inside: Array,
+        outside: Array,
+        remark: str,
+        prediction: BodyPrediction | None = None,
+    ) -> Selection:
+        """Build the selection within a surface; a prediction holds all positive points and no negative one."""
+        if surface is None or not len(surface.faces):
+            return replace(self.build_selection(NO_VOXELS, inside, outside), remark=remark, prediction=prediction)
+        region = Region(surface=surface)
+        if prediction is not None and remark != CONFLICTING_POINT_REMARK:
+            beyond, within = (Region.from_pixels(self._find_nearest_voxels(given)) for given in (outside, inside))
+            voxels = region.without(beyond).united(within)
+            region = Region(surface=surface, pixels=voxels.mask, first=voxels.origin)
+        return replace(self.build_selection(region, inside, outside), remark=remark, prediction=prediction)
 
     def _predict_bodies(self, place: Array, count: int | None = None) -> list[BodyPrediction]:
         """Predict the bodies around a point, shape (1, 3), the most plausible one first: all, or at most `count`."""
@@ -358,124 +412,6 @@ class VolumePartition:
 
     def __repr__(self) -> str:
         return format_repr("VolumePartition", self.image.source, format_size(self.shape, "voxels"))
-
-
-@record
-class VolumeSelection:
-    """One or several bodies that clicks have selected in a volume.
-
-    Attributes
-    ----------
-    partition : VolumePartition
-        What it was selected from.
-    surface : Surface
-        Its boundary: its triangles are turned outward, away from it.
-    inside, outside : ndarray, shape (M, 3) and (K, 3)
-        The positive and negative points of the prompt [voxels].
-    remark : str
-        One sentence on what was unusual about the points, or empty.
-    body : BodyPrediction or None
-        The prediction of the network; None for bodies of closed surfaces.
-    voxels : PackedVoxels or None
-        Its voxels, if it has been painted; a correction changes only what is near its point.
-
-    Examples
-    --------
-    >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
-    >>> chosen = cpm.partition(result).select([(15, 15, 15)])
-    >>> chosen
-    <VolumeSelection ball, 1 part>
-    >>> round(chosen.volume / result.surface.volume, 3), round(chosen.area / result.surface.area, 3)
-    (1.0, 1.0)
-    >>> chosen.mask.shape, chosen.surface.closed, chosen.has_boundary, chosen.has_only_points
-    ((31, 31, 31), True, True, False)
-    >>> chosen.has_same_region(chosen)
-    True
-    >>> chosen.contains(np.array([(15.0, 15.0, 15.0), (2.0, 2.0, 2.0)])).tolist()
-    [True, False]
-    >>> chosen.packed_body.surface.closed, chosen.body is None, chosen.image.source
-    (True, True, 'ball')
-    """
-
-    partition: VolumePartition = field(repr=False)
-    surface: Surface
-    inside: Array
-    outside: Array
-    remark: str = ""
-    body: BodyPrediction | None = field(default=None, repr=False)
-    voxels: PackedVoxels | None = field(default=None, repr=False)
-
-    @cached_property
-    def mask(self) -> Mask:
-        """Voxels whose centers lie in it, shape (P, R, C), with all positive points and without negative ones."""
-        found = np.zeros(self.partition.shape, bool)
-        first, part = self._boxed_mask
-        found[tuple(slice(at, at + side) for at, side in zip(first.tolist(), part.shape, strict=True))] = part
-        return found
-
-    @cached_property
-    def _boxed_mask(self) -> tuple[Index, Mask]:
-        """First voxel of a box around it, and its voxels in the box: large volumes have many selections."""
-        shape = np.array(self.partition.shape)
-        places = [np.rint(np.clip(given, 0, shape - 1)).astype(np.int64) for given in (self.outside, self.inside)]
-        every = np.concatenate([self.surface.vertices, *places])
-        first = np.maximum(np.floor(every.min(axis=0)), 0).astype(np.int64) if len(every) else np.zeros(3, np.int64)
-        end = np.minimum(np.ceil(every.max(axis=0)).astype(np.int64) + 1, shape) if len(every) else first
-        there = replace(self.surface, vertices=self.surface.vertices - first)
-        part = (
-            voxelize_surface(there, tuple((end - first).tolist())) if self.has_boundary else np.zeros(end - first, bool)
-        )
-        for voxels, within in zip(places, (False, True), strict=True):
-            if self.body is not None and self.remark != CONFLICTING_POINT_REMARK:
-                part[tuple((voxels - first).T)] = within
-        return first, part
-
-    @property
-    def image(self) -> Image:
-        """The volume that it was selected in."""
-        return self.partition.image
-
-    @cached_property
-    def packed_body(self) -> PackedBody:
-        """The body as a session holds it; ValueError when it is empty."""
-        return self.voxels or PackedSurface.from_surface(self.surface)
-
-    @property
-    def has_boundary(self) -> bool:
-        """Whether it has a boundary."""
-        return bool(len(self.surface.faces))
-
-    @property
-    def has_only_points(self) -> bool:
-        """False: a body is more than the points in it."""
-        return False
-
-    @property
-    def volume(self) -> float:
-        """Volume of the bodies, in the unit of the spacing, cubed."""
-        return self.surface.volume
-
-    @property
-    def area(self) -> float:
-        """Area of their boundary, in the unit of the spacing, squared."""
-        return self.surface.area
-
-    def __repr__(self) -> str:
-        return format_repr(
-            "VolumeSelection", self.partition.image.source, format_count(self.surface.components, "part")
-        )
-
-    def has_same_region(self, other: VolumeSelection) -> bool:
-        """Return whether another selection has the same bodies."""
-        return np.array_equal(self.surface.vertices, other.surface.vertices)
-
-    def contains(self, places: Array) -> Mask:
-        """Return which points, shape (N, 3) [voxels], lie in it; one outside is moved to the nearest voxel."""
-        first, part = self._boxed_mask
-        voxels = np.rint(np.clip(places, 0, np.array(self.partition.shape) - 1)).astype(np.int64) - first
-        there: Mask = np.all((voxels >= 0) & (voxels < np.array(part.shape)), axis=1)
-        there[there] = part[tuple(voxels[there].T)]
-        return there
 
 
 def _append_new_points(before: Array, places: Array) -> Array:

@@ -15,7 +15,6 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.surface import Surface
 from cpm_core.field.convolution import convolved_potential
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.placed_charges import (
@@ -27,6 +26,7 @@ from cpm_core.field.placed_charges import (
 )
 from cpm_core.image.image import Image, as_image
 from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale, to_image, to_scale
+from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import AnyRegions, check_regions
 from cpm_core.model import EPSILON_BOUND, interventions
 from cpm_core.model.measures import Forces, state_metrics

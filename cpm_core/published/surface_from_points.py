@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.surface import Surface, check_rows_of_three
+from cpm_core.image.surface import Surface, check_rows_of_three
 from cpm_core.numerics.grids import label_joined_pairs, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single

@@ -13,17 +13,18 @@ from cpm_core.field.start_area.drawn_area import is_everywhere
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.image import Image
+from cpm_core.image.region import Region
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, divergence_centers, is_allowed
 from cpm_core.model.volume.starts import seeds_at_centers, volume_edge_strength
 from cpm_core.numerics.grids import label_joined_pairs, running_maximum
 from cpm_core.numerics.types import Array, Arrays, Callback, Index, Sides
 from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.selection import Selection, compute_iou
-from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, VolumeSelection, require_image
+from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.provenance import Provenance
 
-FoundObjects = tuple[Selection | VolumeSelection, ...]
+FoundObjects = tuple[Selection, ...]
 """The objects that a run proposes, the best first."""
 
 MIN_LIKELY_CONFIDENCE = 0.7
@@ -81,7 +82,7 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObj
 
     Returns
     -------
-    tuple of Selection, or of VolumeSelection in a volume
+    tuple of Selection
         Ranked by confidence; bodies by volume.
 
     Raises
@@ -93,22 +94,23 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObj
     pieces = () if is_run_everywhere(result) else split_seeds(result.seeds, _relative_sides(image))
     if image.ndim == 3:
         bodies = _find_bodies(VolumePartition.from_result(result), pieces, check)
-        return tuple(sorted(bodies, key=lambda one: -one.volume))
+        return tuple(sorted(bodies, key=lambda one: -one.size))
     partition = Partition.from_result(result)
     if not pieces:
         return tuple(find_objects_everywhere(partition, check))
     return tuple(sorted(_find_started_objects(partition, pieces, check), key=lambda one: -one.confidence))
 
 
-def is_likely(found: Selection | VolumeSelection) -> bool:
+def is_likely(found: Selection) -> bool:
     """Return whether an object is likely, so that it is accepted together with others; bodies have no confidence."""
-    return isinstance(found, VolumeSelection) or found.confidence >= MIN_LIKELY_CONFIDENCE
+    return not found.confidence < MIN_LIKELY_CONFIDENCE
 
 
 def is_run_everywhere(result: RunOutcome) -> bool:
     """Return whether a run began everywhere: evenly, on strong edges, or at all centers; also without seeds."""
     image, seeds, regions = require_image(result), result.seeds, result.regions
-    if not len(seeds) or is_everywhere(seeds, image.shape, regions, _relative_sides(image)):
+    even = (_relative_sides(image), (1.0,) * image.ndim)  # grids are even in space, those of `uniform_grid` in voxels
+    if not len(seeds) or any(is_everywhere(seeds, image.shape, regions, sides) for sides in even):
         return True
     on_pixels = (seeds == np.rint(seeds)).all(axis=1)  # those of rules are, but for some at the border
     return (bool(on_pixels.all()) and _begins_on_edges(result, image)) or (
@@ -174,12 +176,12 @@ def _find_started_objects(partition: Partition, pieces: Arrays, check: Callback)
         one = partition.select(piece)
         if not one.has_boundary or one.has_only_points:
             continue  # as from a start across an edge
-        if all(compute_iou(one.mask, other.mask) <= _SAME_OBJECT_OVERLAP for other in found):
+        if all(one.region.compute_iou(other.region) <= _SAME_OBJECT_OVERLAP for other in found):
             found.append(one)
             yield one
 
 
-def _find_bodies(partition: VolumePartition, pieces: Arrays, check: Callback) -> Iterator[VolumeSelection]:
+def _find_bodies(partition: VolumePartition, pieces: Arrays, check: Callback) -> Iterator[Selection]:
     """Find the body with most seeds of each piece of a start, shape (N, 3) [voxels]; without pieces, all solid ones."""
     if not len(partition.surface.faces):
         return
@@ -193,7 +195,7 @@ def _find_bodies(partition: VolumePartition, pieces: Arrays, check: Callback) ->
         check()
         boundary = partition.extract_boundary(np.array([body]))
         if len(boundary.faces):
-            yield VolumeSelection(partition, boundary, points, np.empty((0, 3)))
+            yield partition.build_selection(Region(surface=boundary), points)
 
 
 def _find_deepest_points(partition: VolumePartition) -> Iterator[tuple[int, Array]]:

@@ -8,24 +8,25 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import Bridge, Label
-from cpm_core.contours.surface import Surface, join_surfaces
+from cpm_core.contours.contour import Bridge
+from cpm_core.contours.surface import join_surfaces
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Label
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Sides
 from cpm_core.objects.outline import OBJECT_SMOOTHING
 from cpm_core.objects.segmented import SegmentedObjects, class_label, object_label
 from cpm_core.objects.selection import Selection
-from cpm_core.objects.volume_partition import VolumeSelection, require_image
+from cpm_core.objects.volume_partition import require_image
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
 
 
 def objects_result(
-    selections: Sequence[Selection | VolumeSelection],
+    selections: Sequence[Selection],
     image: Image | None = None,
     names: Sequence[str] = (),
     channel: str = "luminance",
@@ -34,7 +35,7 @@ def objects_result(
 
     Parameters
     ----------
-    selections : sequence of Selection or VolumeSelection
+    selections : sequence of Selection
         Objects in one image, or bodies in one volume.
     image : Image, optional
         The image; by default that of the selections.
@@ -75,38 +76,16 @@ def objects_result(
     image = image or next((one.image for one in selections if one.image is not None), None)
     if image is None:
         raise ValueError("no image is known for the objects: name it, or select objects of an image.")
-    if not all(isinstance(one, VolumeSelection if image.ndim == 3 else Selection) for one in selections):
+    if not all(len(one.shape) == image.ndim for one in selections):
         raise ValueError(f"{image.source} has {image.ndim} axes: give objects that were selected in such an image.")
     titles = enumerate(names or [""] * len(selections), start=1)
     labels = [Label(number, object_label(number, name), category=class_label(1)) for number, name in titles]
-    return _build_objects_result(selections, labels, image, channel)
+    return _build_image_result(selections, labels, image, channel)
 
 
-def _build_objects_result(
-    selections: Sequence[Selection | VolumeSelection],
-    labels: Sequence[Label],
-    image: Image,
-    channel: str,
-) -> Result:
-    """Build the result of `objects_result`, with the label of each object."""
-    parts: list[tuple[Label, Any]] = list(zip(labels, selections, strict=True))
-    if image.ndim == 3:
-        found: dict[str, Any] = {"surface": _join_bodies(parts, image)}
-    else:
-        contours = (
-            replace(
-                line,
-                group=to.number,
-                name=to.name,
-                color=to.color,
-                category=to.category,
-                confidence=float(one.confidence),
-            )
-            for to, one in parts
-            for line in one.contours
-        )
-        gaps = [gap for _, one in parts for gap in one.gaps]
-        found = {"contours": tuple(contours), "bridges": tuple(_measure_gaps(gaps, image, channel))}
+def _build_image_result(selections: Sequence[Selection], labels: Sequence[Label], image: Image, channel: str) -> Result:
+    """Build the result of objects in an image that is known, with the label of each."""
+    gaps = [gap for one in selections for gap in one.gaps]
     taken = image.resolve_channel(channel)
     clicks = tuple(
         {"shape": "object", "inside": selection.inside.tolist(), "outside": selection.outside.tolist()}
@@ -115,17 +94,37 @@ def _build_objects_result(
     made = Provenance(
         "objects", {"channel": taken}, shapes=clicks, sha256=image.sha256, of_file=bool(image.file_sha256)
     )
-    place = image.shape, image.source, image.spacing, image.unit
-    return boundaries_result(*place, image=image, channel=taken, provenance=made, **found)
+    nothing = boundaries_result(
+        image.shape, image.source, image.spacing, image.unit, image=image, channel=taken, provenance=made
+    )
+    return replace(join_objects(nothing, selections, labels), bridges=tuple(_measure_gaps(gaps, image, channel)))
 
 
-def _join_bodies(bodies: Sequence[tuple[Label, VolumeSelection]], image: Image) -> Surface | None:
-    """Join the surfaces of bodies, each with its label; None without any surface."""
-    kept = [(label, body.surface) for label, body in bodies if body.has_boundary]
-    if not kept:
-        return None
-    joined = join_surfaces([(label.number, surface) for label, surface in kept], image.spacing, image.unit)
-    return replace(joined, labels=tuple(label for label, _ in kept))
+def join_objects(nothing: Result, selections: Sequence[Selection], labels: Sequence[Label]) -> Result:
+    """Add objects, each with its label, to a result that has none.
+
+    The contours of an object have its number as their group, and holes are marked, so that a label mask has one label
+    for it and none in its holes. Gaps become bridges of strength 0, as theirs is unknown.
+    """
+    parts = list(zip(labels, selections, strict=True))
+    contours = (
+        replace(
+            line,
+            group=to.number,
+            name=to.name,
+            color=to.color,
+            category=to.category,
+            confidence=float(one.confidence) or None,
+        )
+        for to, one in parts
+        for line in one.contours
+    )
+    bodies, surface = [(to, one.surface) for to, one in parts if one.surface is not None], None
+    if bodies:
+        joined = join_surfaces([(to.number, body) for to, body in bodies], nothing.spacing, nothing.unit)
+        surface = replace(joined, labels=tuple(to for to, _ in bodies))
+    bridges = tuple(Bridge(gap, polyline.path_length(gap), 0.0) for one in selections for gap in one.gaps)
+    return replace(nothing, contours=tuple(contours), bridges=bridges, surface=surface)
 
 
 def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bridge]:
@@ -139,7 +138,7 @@ def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bri
 
 def replace_by_objects(
     result: Result,
-    selections: Sequence[Selection | VolumeSelection],
+    selections: Sequence[Selection],
     known: SegmentedObjects | None = None,
 ) -> Result:
     """Replace what a run found by objects selected from it; the provenance is that of the run, with the objects.
@@ -154,7 +153,7 @@ def replace_by_objects(
         Label(number, object_label(number, class_name=name), color, class_label(category, name))
         for number in range(1, len(selections) + 1)
     ]
-    found = _build_objects_result(selections, labels, require_image(result), result.channel)
+    found = _build_image_result(selections, labels, require_image(result), result.channel)
     drawn = (*result.provenance.shapes, *found.provenance.shapes)
     return replace(found, provenance=replace(result.provenance, method="objects", shapes=drawn))
 

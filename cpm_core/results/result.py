@@ -15,10 +15,11 @@ from cpm_core.contours.faces import Face, find_faces
 from cpm_core.contours.measurements import assign_labels, compute_centroid
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.contours.region_table import Table, measure_regions, measure_volume_objects
-from cpm_core.contours.surface import Surface, label_voxels
+from cpm_core.contours.surface import label_voxels
 from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Array, Arrays, Extent, Sides, record
@@ -76,14 +77,14 @@ class Result(drawing.Pictured):
     --------
     >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
     >>> result
-    <Result ring, 2 contours (2 closed), 133 particles, at rest after 68 steps>
+    <Result ring, 2 contours (2 closed), 132 particles, at rest after 64 steps>
     >>> result.labels.shape, int(result.labels[32, 12]), int(result.labels[32, 32])  # the ring, and the hole in it
     ((64, 64), 1, 2)
     >>> table = result.table(in_units=True)
     >>> table["area"].round(), table.units["area"]
     (array([374.,  77.]), 'µm²')
     >>> result.objects  # the best first
-    (<Selection 1,485 px, 2 contours, 0 gaps, 94 % sure>,)
+    (<Selection 1,484 px, 2 contours, 0 gaps, 80 % sure>,)
     >>> axes = result.plot(particles=True)
     >>> result.geometry is None  # nothing is known of its place in space
     True
@@ -146,7 +147,7 @@ class Result(drawing.Pictured):
 
     @cached_property
     def objects(self) -> FoundObjects:
-        """The objects that the run proposes, each a `Selection`, in a volume a `VolumeSelection`; the best first.
+        """The objects that the run proposes, the best first.
 
         A run from everywhere, as from a grid, proposes all objects of the image, or all bodies inside the surface. One
         from drawn starts proposes the object of each of them. They are found at the first access, which takes some

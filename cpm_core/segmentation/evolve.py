@@ -10,10 +10,10 @@ from typing import Any, cast
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.surface import Surface
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image import drawing
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.real_numbers import check_finite_number

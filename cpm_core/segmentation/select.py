@@ -15,7 +15,7 @@ from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar_objects import find_similar_objects
-from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
+from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import Parameters, choose_parameters
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.results.result import Result
@@ -114,7 +114,7 @@ def select_all(
     *,
     parameters: Parameters | str | None = None,
     min_confidence: float = 0.0,
-) -> tuple[Selection | VolumeSelection, ...]:
+) -> tuple[Selection, ...]:
     """Select all objects of an image, or all that are similar to some.
 
     Parameters
@@ -132,7 +132,7 @@ def select_all(
 
     Returns
     -------
-    tuple of Selection, or of VolumeSelection
+    tuple of Selection
         The objects, given ones first, otherwise the best. None overlap, except objects in objects, such as a nucleus
         in a cell.
 
@@ -147,11 +147,11 @@ def select_all(
         raise ValueError(f"like is {quote_value(like)} but must be a list of selections.")
     if not like:
         if isinstance(values, Partition):
-            all_objects: Iterable[Selection | VolumeSelection] = find_objects_everywhere(values)
+            all_objects: Iterable[Selection] = find_objects_everywhere(values)
         else:
             result = values if isinstance(values, Result) else _run_everywhere(as_plane(values), parameters)
             all_objects = result.objects
-        return tuple(one for one in all_objects if not isinstance(one, Selection) or one.confidence >= min_confidence)
+        return tuple(one for one in all_objects if not one.confidence < min_confidence)
     if isinstance(values, Result):
         cut = Partition.from_result(values)
     else:

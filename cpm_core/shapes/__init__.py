@@ -21,7 +21,7 @@ from cpm_core.shapes.image_starts import SeedCache as SeedCache
 from cpm_core.shapes.lines import Barrier as Barrier
 from cpm_core.shapes.lines import Points as Points
 from cpm_core.shapes.lines import Polygon as Polygon
-from cpm_core.shapes.lines import Region as Region
+from cpm_core.shapes.lines import PolygonRegion as PolygonRegion
 from cpm_core.shapes.lines import Stroke as Stroke
 from cpm_core.shapes.outlines import start_from_surface as start_from_surface
 from cpm_core.shapes.outlines import starts_from_centerlines as starts_from_centerlines

@@ -8,14 +8,15 @@ import numpy as np
 
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
+from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.types import Array, Extent, Line
 from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.everywhere import Everywhere
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
-from cpm_core.shapes.lines import Barrier, Points, Region
+from cpm_core.shapes.lines import Barrier, Points, PolygonRegion
 from cpm_core.shapes.shape import Shape, Start
 from cpm_core.shapes.solids import BoxRegion, Cuboid, Sphere
 from cpm_core.shapes.volume_limits import Enclosed, EnclosedRegion, EnclosingWall, Extruded, PrismRegion, Wall
@@ -75,16 +76,16 @@ def select_starts(shapes: Iterable[Shape]) -> tuple[Start, ...]:
     return tuple(shape for shape in shapes if isinstance(shape, Start))
 
 
-def collect_regions(shapes: Iterable[Shape], barriers: tuple[Line | Voxels, ...] = ()) -> AnyRegions | None:
+def collect_regions(shapes: Iterable[Shape], barriers: tuple[Line | Region, ...] = ()) -> AnyRegions | None:
     """Collect regions of interest and barriers, with further given barriers; None when there are none."""
     drawn = tuple(shapes)
     inside = tuple(shape.limit for shape in drawn if isinstance(shape, BoxRegion | PrismRegion | EnclosedRegion))
-    painted = [barrier for barrier in barriers if isinstance(barrier, Voxels)]
+    painted = [barrier for barrier in barriers if isinstance(barrier, Region)]
     walls = (*(shape.limit for shape in drawn if isinstance(shape, Wall | EnclosingWall)), *painted)
     if inside or walls:
         return VolumeRegions(inside, walls)
-    interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
-    given = (barrier for barrier in barriers if not isinstance(barrier, Voxels))
+    interest = tuple(shape.points for shape in drawn if isinstance(shape, PolygonRegion))
+    given = (barrier for barrier in barriers if not isinstance(barrier, Region))
     lines = (*(shape.points for shape in drawn if isinstance(shape, Barrier)), *given)
     return Regions(interest, lines) if interest or lines else None
 

@@ -44,7 +44,7 @@ class Polygon(ClosedPath):
 
 
 @frozen
-class Region(ClosedPath):
+class PolygonRegion(ClosedPath):
     """A region of interest, which particles do not leave."""
 
     title: ClassVar[str] = "region of interest"

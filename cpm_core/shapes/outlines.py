@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from cpm_core.contours.contour import Contours
-from cpm_core.contours.surface import Surface
+from cpm_core.image.surface import Surface
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import as_line

@@ -16,7 +16,7 @@ from cpm_core.shapes.areas import Grid, Threshold
 from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.everywhere import Everywhere
-from cpm_core.shapes.lines import Barrier, Points, Polygon, Region, Stroke
+from cpm_core.shapes.lines import Barrier, Points, Polygon, PolygonRegion, Stroke
 from cpm_core.shapes.solids import Box, BoxGrid, BoxRegion, BoxThreshold, Sphere
 from cpm_core.shapes.volume_limits import EnclosedRegion, EnclosingWall, PrismRegion, Wall
 
@@ -25,13 +25,15 @@ Start = (
 )
 """Shapes that give particles; spheres and all boxes lie in volumes, polygons, strokes and points in either."""
 
-Interest = Region | BoxRegion | PrismRegion | EnclosedRegion
+Interest = PolygonRegion | BoxRegion | PrismRegion | EnclosedRegion
 """Regions of interest, the first in images."""
 
-Limit = Region | Barrier | BoxRegion | PrismRegion | Wall | EnclosedRegion | EnclosingWall
+Limit = PolygonRegion | Barrier | BoxRegion | PrismRegion | Wall | EnclosedRegion | EnclosingWall
 """Shapes that hold particles back; the first two in images."""
 
 Shape = Start | Limit | Charge
 
-SHAPES_BY_NAME: Mapping[str, type[Shape]] = {kind.__name__.lower(): kind for kind in get_args(Shape)}
+SHAPES_BY_NAME: Mapping[str, type[Shape]] = {
+    "region" if kind is PolygonRegion else kind.__name__.lower(): kind for kind in get_args(Shape)
+}
 """Shapes by the names that files have for them."""

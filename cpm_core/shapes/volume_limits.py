@@ -8,10 +8,10 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from cpm_core.contours.packed_surface import PackedBody
-from cpm_core.image.volume_regions import Extrusion, Voxels
+from cpm_core.image.region import Region
+from cpm_core.image.volume_regions import Extrusion
 from cpm_core.numerics.types import Array, Line, Place, Position, frozen
-from cpm_core.shapes.lines import Barrier, Region
+from cpm_core.shapes.lines import Barrier, PolygonRegion
 from cpm_core.shapes.path import WithoutOutline
 
 _ON_CORNER_DISTANCE = 1e-6
@@ -32,7 +32,7 @@ class Extruded(WithoutOutline):
         Between which places along the axis it acts [voxels].
     """
 
-    flat: ClassVar[type[Region] | type[Barrier]]
+    flat: ClassVar[type[PolygonRegion] | type[Barrier]]
     """Shape that a slice across the axis shows."""
 
     points: Line
@@ -50,7 +50,7 @@ class Extruded(WithoutOutline):
     @property
     def limit(self) -> Extrusion:
         """Limit as the engine takes it."""
-        return Extrusion(self.points, self.axis, self.first, self.last, closed=self.flat is Region)
+        return Extrusion(self.points, self.axis, self.first, self.last, closed=self.flat is PolygonRegion)
 
     @property
     def outline(self) -> Array:
@@ -96,7 +96,7 @@ class PrismRegion(Extruded):
     """Region of interest in a volume: the inside of a line in a slice, through a range of slices."""
 
     title: ClassVar[str] = "region of interest"
-    flat: ClassVar[type[Region]] = Region
+    flat: ClassVar[type[PolygonRegion]] = PolygonRegion
 
 
 @frozen
@@ -113,37 +113,37 @@ class Enclosed(WithoutOutline):
 
     Attributes
     ----------
-    surface : PackedSurface or PackedVoxels
-        The surface, or the voxels inside.
+    region : Region
+        The voxels inside.
     """
 
-    surface: PackedBody
+    region: Region
 
     @property
-    def limit(self) -> Voxels:
+    def limit(self) -> Region:
         """Limit as the engine takes it."""
         raise NotImplementedError
 
     @property
     def center(self) -> Place:
         """Middle of the bounding box, (plane, row, col) [voxels]."""
-        return tuple(self.surface.box.mean(axis=0).tolist())
+        return tuple(np.mean(self.region.bounds, axis=0).tolist())
 
     @property
     def outline(self) -> Array:
         """Corners of the triangles, shape (K, 3)."""
-        return self.surface.surface.vertices
+        return self.region.find_surface().vertices
 
     def translated(self, offset: Place) -> Self:
         """Return the shape displaced along each axis."""
-        return replace(self, surface=self.surface.translated(offset))
+        return replace(self, region=self.region.translated(offset))
 
     def distance_to(self, position: Place) -> float:
         """Measure the distance of a position from the nearest corner of a triangle [voxels]."""
         return math.sqrt(float(((self.outline - position) ** 2).sum(axis=1).min()))
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({self.surface.surface!r})"
+        return f"{type(self).__name__}({self.region.find_surface()!r})"
 
 
 @dataclass(frozen=True, repr=False)
@@ -153,9 +153,9 @@ class EnclosedRegion(Enclosed):
     title: ClassVar[str] = "region of interest"
 
     @property
-    def limit(self) -> Voxels:
+    def limit(self) -> Region:
         """Voxels whose centers lie inside."""
-        return self.surface.voxels
+        return self.region
 
 
 @dataclass(frozen=True, repr=False)
@@ -165,6 +165,6 @@ class EnclosingWall(Enclosed):
     title: ClassVar[str] = "barrier"
 
     @property
-    def limit(self) -> Voxels:
+    def limit(self) -> Region:
         """Voxels inside that share a face with one outside."""
-        return self.surface.shell
+        return self.region.shell

@@ -30,7 +30,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "objects": (
         "Objects selected by prompts",
-        ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition", "VolumeSelection",
+        ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition",
          "objects_result", "notebook_view", "NotebookView"),
     ),
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines")),

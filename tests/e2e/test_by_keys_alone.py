@@ -125,7 +125,7 @@ def select_and_name_an_object(window: MainWindow, keys: Keys) -> None:
     keys.press(KEY.Key_F2)
     keys.type("cup")
     keys.press(KEY.Key_Return)
-    assert [item.name for item in session.document.objects.items] == ["cup"]
+    keys.wait(lambda: [item.name for item in session.document.objects.items] == ["cup"])
 
 
 def export(window: MainWindow, keys: Keys, path: Path) -> None:

@@ -11,6 +11,7 @@ import skimage
 
 import cpm_core as cpm
 from cpm_core.contours.surface import surface_from_labels
+from cpm_core.image.region import Region
 from cpm_core.numerics import Array, Index
 from cpm_core.objects import partition_without_run
 from cpm_core.results import replace_by_objects
@@ -114,7 +115,7 @@ def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, o
         previous = partition.build_selection(mask, middle)
     else:
         surface = surface_from_labels(mask.astype(np.int32), image.spacing, image.unit)
-        previous = cpm.VolumeSelection(partition, surface, middle, np.empty((0, 3)))
+        previous = partition.build_selection(Region(surface=surface, pixels=mask), middle)
     better = partition.select(np.concatenate([middle, inside]), outside, previous=previous).mask
     return np.where(better & ((labels == 0) | mask), number, np.where(mask, 0, labels))
 

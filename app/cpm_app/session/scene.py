@@ -13,12 +13,12 @@ from functools import cached_property
 from cpm_app.model.display.differences import Difference, SurfaceDifference
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.objects import AnySelection, object_from_selection
+from cpm_app.model.document.objects import object_from_selection
 from cpm_app.model.volume.slices import Slices
 from cpm_app.session.exchange.messages import OverlayData, Reconstruction, Snapshot
 from cpm_app.session.timeline.timeline import EMPTY_TIMELINE, TimelineState
 from cpm_app.session.worker.requests import ForcesProbed, ImageShaded
-from cpm_core import Image, Result, Skeleton, Truth, VolumeTruth
+from cpm_core import Image, Result, Selection, Skeleton, Truth, VolumeTruth
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Index
 from cpm_core.numerics.types import record
@@ -33,7 +33,7 @@ class Proposal:
 
     Attributes
     ----------
-    selection : Selection or VolumeSelection
+    selection : Selection
         The object.
     clicks : tuple of Click
         The clicks that selected it.
@@ -45,7 +45,7 @@ class Proposal:
         The object that it becomes, if it has been followed from the previous page.
     """
 
-    selection: AnySelection
+    selection: Selection
     clicks: Clicks
     number: int = 0
     key: int = 0
@@ -63,16 +63,16 @@ class Preview:
 
     Attributes
     ----------
-    after : Selection or VolumeSelection
+    after : Selection
         The object after the click.
-    before : Selection, VolumeSelection or None
+    before : Selection or None
         The present object; None when the click would begin one.
     adds : bool
         Whether the click adds to the object; otherwise it removes a part.
     """
 
-    after: AnySelection
-    before: AnySelection | None
+    after: Selection
+    before: Selection | None
     adds: bool
 
 

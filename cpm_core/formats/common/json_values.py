@@ -21,10 +21,11 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 from numpy.typing import DTypeLike
 
-from cpm_core.contours.packed_surface import MAX_BOX_VOXELS, PackedVoxels
+from cpm_core.image.region import MAX_BOX_VOXELS, Region
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
-from cpm_core.numerics.types import JsonDict, JsonObject, Numbers, Texts, frozen
+from cpm_core.image.surface import Surface
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
+from cpm_core.numerics.types import JsonDict, JsonObject, Line, Numbers, Texts, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.shapes import SHAPES_BY_NAME, Shape
@@ -59,16 +60,8 @@ def to_json(value: object) -> Any:
     """Convert a dataclass, or the value of one of its fields, to JSON."""
     if isinstance(value, tuple | list):  # first, and without a call per coordinate, since most values are positions
         return [item if type(item) is float else to_json(item) for item in value]
-    if isinstance(value, PackedVoxels):
-        return to_json(value.voxels)
-    if isinstance(value, Voxels):
-        return {
-            "first": to_json(value.first),
-            "shape": value.mask.shape,
-            "voxels": _encode_bytes(np.packbits(value.mask).tobytes()),
-        }
-    if isinstance(value, bytes):
-        return _encode_bytes(value)
+    if isinstance(value, Region):
+        return _region_to_json(value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_json(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, bool | str | int) or value is None:
@@ -208,24 +201,57 @@ def _parse_union(kinds: tuple[Any, ...], plain: object, where: str) -> Any:
     return _parse_value(last, plain, where)
 
 
-def _parse_voxels(plain: object, where: str) -> Voxels:
-    """Parse the voxels of a box, checking their number before memory is allocated."""
+@frozen
+class _PackedSurface:
+    """Triangles: vertices as float32, and the numbers of those of each triangle as int32, little-endian."""
+
+    vertices: str
+    faces: str
+
+
+def _region_to_json(region: Region) -> JsonDict:
+    """Convert a region to its boundary, its surface in single precision, or its pixels, eight in a byte."""
+    if region.surface is not None:
+        packed = {"vertices": region.surface.vertices.astype("<f4"), "faces": region.surface.faces.astype("<i4")}
+        return {name: _encode_bytes(values.tobytes()) for name, values in packed.items()}
+    if region.pixels is not None:
+        voxels = _encode_bytes(np.packbits(region.pixels).tobytes())
+        return {"first": to_json(region.first), "shape": region.pixels.shape, "voxels": voxels}
+    return {"boundary": to_json(region.boundary)}
+
+
+def _parse_region(plain: object, where: str) -> Region:
+    """Parse a region, checking the number of its voxels before memory is allocated."""
+    given = expect_mapping(plain, where)
+    if "boundary" in given:
+        return Region(_parse_value(tuple[Line, ...], given["boundary"], f"boundary of {where}"))
+    if "vertices" in given:
+        packed = from_json(_PackedSurface, plain, where)
+        vertices, faces = (_decode_bytes(text, None, where) for text in (packed.vertices, packed.faces))
+        if len(vertices) % 12 or len(faces) % 12:
+            raise ValueError(f"{where} is damaged: it does not consist of triangles.")
+        corners, numbers = np.frombuffer(vertices, "<f4"), np.frombuffer(faces, "<i4")
+        try:
+            return Region(surface=Surface(corners.reshape(-1, 3), numbers.reshape(-1, 3)))
+        except ValueError as error:
+            raise ValueError(f"{where} cannot be used: {error}") from error
     box = from_json(_PackedBox, plain, where)
     count = math.prod(box.shape)
     if min(box.shape) < 1 or count > MAX_BOX_VOXELS:
         raise ValueError(f"shape of {where} is {quote_value(box.shape)} but may be {MAX_BOX_VOXELS:,} voxels at most.")
     bits = _decode_bytes(box.voxels, -(-count // 8), where)
-    return Voxels(np.unpackbits(np.frombuffer(bits, np.uint8), count=count).reshape(box.shape).astype(bool), box.first)
+    return Region(
+        pixels=np.unpackbits(np.frombuffer(bits, np.uint8), count=count).reshape(box.shape).astype(bool),
+        first=box.first,
+    )
 
 
 _VALUE_PARSERS: dict[Any, Callable[[object, str], Any]] = {
     float: expect_number,
     int: _expect_whole_number,
     str: expect_text,
-    bytes: lambda plain, where: _decode_bytes(expect_text(plain, where), None, where),
     bool: lambda plain, where: _expect_type(plain, bool, "true or false", where),
-    Voxels: _parse_voxels,
-    PackedVoxels: lambda plain, where: PackedVoxels.from_voxels(_parse_voxels(plain, where)),
+    Region: _parse_region,
 }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from cpm_core.contours.contour import Label
+from cpm_core.image.surface import Label
 
 _UNPRINTABLE_CHARACTERS = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 """Control characters, bytes that are not valid UTF-8, and characters that XML forbids."""

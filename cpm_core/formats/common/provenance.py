@@ -13,8 +13,9 @@ from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
 from cpm_core.formats.common.printable import make_printable
+from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import Extrusion, Voxels
+from cpm_core.image.volume_regions import Extrusion
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.parameters.provenance import Provenance
@@ -117,7 +118,7 @@ def describe_shapes(shapes: Iterable[Shape]) -> tuple[JsonDict, ...]:
     for shape in shapes:
         fields = {}
         if isinstance(shape, EnclosedRegion | EnclosingWall):  # these may have many thousand triangles
-            fields = {"triangles": len(shape.surface.surface.faces), "voxels": int(shape.limit.mask.sum())}
+            fields = {"triangles": len(shape.region.find_surface().faces), "voxels": int(shape.limit.mask.sum())}
         found.append({"shape": kinds[type(shape)], **(fields or asdict(shape))})
     return tuple(found)
 
@@ -138,4 +139,4 @@ def _describe_limit(limit: Any) -> JsonDict:
     """Describe the extent of a region of interest or a barrier."""
     if isinstance(limit, Extrusion):
         return {"points": limit.line, "axis": limit.axis, "first": limit.first, "last": limit.last}
-    return {"voxels": int(limit.mask.sum())} if isinstance(limit, Voxels) else {"points": limit}
+    return {"voxels": int(limit.mask.sum())} if isinstance(limit, Region) else {"points": limit}

@@ -14,14 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Label, assign_numbers
+from cpm_core.contours.contour import Contour, assign_numbers
 from cpm_core.contours.measurements import assign_labels, compute_centroid, measure
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import escape_cell, unescape_cell
 from cpm_core.formats.common.provenance import Outcome, describe_provenance, flatten_provenance
 from cpm_core.formats.contours.contents import CollectedContours
-from cpm_core.formats.images.resolution import ascii_unit
+from cpm_core.formats.images.resolution import ascii_unit, name_column
 from cpm_core.formats.meshes.coordinates import to_file_coordinates
+from cpm_core.image.surface import Label
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.polyline import path_length
 from cpm_core.pages.page import StackResult
@@ -181,8 +182,7 @@ def _build_object_rows(result: Result) -> list[Row]:
     known |= {} if result.surface is None else {body.number: body for body in result.surface.labels}
     columns: Row = {}
     for name, unit in measured.units.items():
-        power = {"²": "2", "³": "3"}.get(unit[-1:], "")
-        columns[f"{name}_{ascii_unit(unit.rstrip('²³'), '')}{power}" if unit else name] = measured[name].tolist()
+        columns[name_column(name, unit)] = measured[name].tolist()
     rows: list[Row] = []
     unit, sides = ascii_unit(result.unit, "px"), result.spacing if result.unit else (1.0,) * len(result.shape)
     for values in zip(*columns.values(), strict=True):

@@ -74,6 +74,12 @@ def ascii_unit(unit: str | None, default: str) -> str:
     return "um" if unit == MICROMETER else unit or default
 
 
+def name_column(name: str, unit: str) -> str:
+    """Name a column after what it has and the unit of that, such as ``area_um2``; without a unit, the name alone."""
+    power = {"²": "2", "³": "3"}.get(unit[-1:], "")
+    return f"{name}_{ascii_unit(unit.rstrip('²³'), '')}{power}" if unit else name
+
+
 def find_unit(name: str) -> str | None:
     """Return the unit with this name in which lengths are kept; None if there is none."""
     factor, unit = _find_length(name) or (0.0, None)

@@ -146,9 +146,9 @@ def read_volume(stack: Stack, reading: Reading) -> DecodedImage:
     ValueError
         When they are too few for a volume, or do not fit into memory.
     """
-    notes = [*stack.notes, *stack.volume_notes]
     first, end = stack.volume_range or (0, stack.shape[0])
     frames = stack.shape[0] == 1 and stack.times > 1
+    notes = [*stack.notes, *(() if frames else stack.volume_notes)]  # those are on planes, which frames are not
     count = stack.times if frames else end - first
     rows, columns = stack.shape[1:]
     if count < MINIMUM_SIDE and stack.volume_range is not None:

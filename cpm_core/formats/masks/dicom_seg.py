@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import skimage
 
-from cpm_core.contours.contour import Label
 from cpm_core.formats.common.content import UnreadableError, missing_package_message
 from cpm_core.formats.common.printable import build_label
 from cpm_core.formats.common.provenance import VERSION
@@ -20,6 +19,7 @@ from cpm_core.formats.images.dicom_series import DicomFrame
 from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
 from cpm_core.image.geometry import Geometry
+from cpm_core.image.surface import Label
 from cpm_core.results.result import Result
 
 _SEGMENTATION_CLASS = "1.2.840.10008.5.1.4.1.1.66.4"

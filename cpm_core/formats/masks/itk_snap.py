@@ -6,9 +6,9 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from cpm_core.contours.contour import Label
 from cpm_core.formats.common.content import read_content
 from cpm_core.formats.common.printable import build_label
+from cpm_core.image.surface import Label
 
 DESCRIPTION_SUFFIX = ".txt"
 """Suffix of the descriptions that are written."""

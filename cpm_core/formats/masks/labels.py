@@ -12,7 +12,7 @@ import PIL.PngImagePlugin
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contours, Label, assign_numbers
+from cpm_core.contours.contour import Contours, assign_numbers
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import MAX_UINT16_LABELS, label_type
 from cpm_core.formats.common.printable import make_printable
@@ -24,6 +24,7 @@ from cpm_core.formats.common.provenance import (
     flatten_provenance,
 )
 from cpm_core.formats.images import resolution
+from cpm_core.image.surface import Label
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Extent, JsonDict, Pixels
 from cpm_core.results.result import Result

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Label
 from cpm_core.formats.common.content import read_content
 from cpm_core.formats.common.printable import build_label
 from cpm_core.formats.common.provenance import Outcome, describe_provenance, dump_provenance
@@ -23,6 +22,7 @@ from cpm_core.formats.images.resolution import conversion_factor, find_unit
 from cpm_core.formats.images.stack import read_volume
 from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
+from cpm_core.image.surface import Label
 from cpm_core.numerics.grids import find_label_boxes
 from cpm_core.numerics.types import Array
 

@@ -43,7 +43,7 @@ Entry = TypeVar("Entry")
 SESSION_MARK = "cpm-session"
 """Key that distinguishes a session file from other JSON."""
 
-SESSION_VERSION = 2
+SESSION_VERSION = 3
 """Version of the format: value of this entry."""
 
 SESSION_SUFFIX = ".cpm"

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import scipy
 
-from cpm_core.contours.surface import Surface
 from cpm_core.field.interpolation import value_at
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import find_connected_parts, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single

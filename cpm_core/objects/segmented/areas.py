@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import scipy
 
-from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
-from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface_agreement import TriangleSamples
-from cpm_core.image.volume_regions import Voxels
+from cpm_core.image.region import Region
+from cpm_core.image.surface import Surface
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import zero_surface
 from cpm_core.numerics.polyline import as_line
@@ -29,41 +28,34 @@ _BLENDING_RANGE = 2.0
 """Range of distances that are blended [voxels]: a slit between objects up to half as wide is closed."""
 
 
-def unite_bodies(first: PackedBody, second: PackedBody) -> PackedBody:
-    """Unite two bodies: voxels, if one of them has been painted, else one surface around both.
+def unite_bodies(first: Region, second: Region) -> Region:
+    """Unite two regions of a volume: their voxels, if one of them has been painted, else one surface around both.
 
     Surfaces that do not come near each other stay as they are. Otherwise the result is the zero of the smaller of the
     signed distances from the two; between surfaces that face each other the distances are blended by the polynomial
     smooth minimum (I. Quilez, 2013), which closes the slit between objects that touch.
     """
-    if isinstance(first, PackedVoxels) or isinstance(second, PackedVoxels):
-        voxels = second.as_packed_voxels.voxels
-        assert voxels.first is not None
-        both = first.as_packed_voxels.with_box_replaced(
-            voxels.first, voxels.mask | first.as_packed_voxels.mask_in_box(voxels.first, voxels.mask.shape)
-        )
-        return both or first
     one, other = first.surface, second.surface
+    if one is None or other is None:
+        return first.united(second)
     low = np.minimum(one.vertices.min(axis=0), other.vertices.min(axis=0))
     high = np.maximum(one.vertices.max(axis=0), other.vertices.max(axis=0))
     begin = np.floor(low).astype(np.int64) - _DISTANCE_MARGIN
     shape = tuple((np.ceil(high).astype(np.int64) + _DISTANCE_MARGIN + 1 - begin).tolist())
-    here, there = (_signed_distance(packed.voxels, packed.surface, begin, shape) for packed in (first, second))
+    here, there = _signed_distance(first, one, begin, shape), _signed_distance(second, other, begin, shape)
     if not ((here <= _BLENDING_RANGE) & (there <= _BLENDING_RANGE)).any():
         faces = np.concatenate([one.faces, other.faces + len(one.vertices)])
-        return PackedSurface.from_surface(Surface(np.concatenate([one.vertices, other.vertices]), faces))
+        return Region.from_surface(Surface(np.concatenate([one.vertices, other.vertices]), faces))
     blend = np.maximum(_BLENDING_RANGE - np.abs(here - there), 0.0)
     facing = -sum(a * b for a, b in zip(np.gradient(here), np.gradient(there), strict=True))
     level = np.minimum(here, there) - np.clip(facing, 0.0, 1.0) * blend**2 / (4.0 * _BLENDING_RANGE)
     vertices, triangles = zero_surface(-level.astype(np.float32))
-    return PackedSurface.from_surface(Surface(vertices + begin, triangles))
+    return Region.from_surface(Surface(vertices + begin, triangles))
 
 
-def _signed_distance(voxels: Voxels, surface: Surface, begin: Index, shape: Extent) -> Array:
+def _signed_distance(region: Region, surface: Surface, begin: Index, shape: Extent) -> Array:
     """Compute the signed distance of voxels from a surface, negative inside, exact near it, of `shape` [voxels]."""
-    inside = np.zeros(shape, bool)
-    assert voxels.first is not None
-    Voxels(voxels.mask, tuple((np.array(voxels.first) - begin).tolist())).fill_into(inside)
+    inside = region.cut_out(tuple(map(slice, begin, begin + shape)))
     away = np.where(inside, scipy.ndimage.distance_transform_edt(inside), scipy.ndimage.distance_transform_edt(~inside))
     near = away <= _EXACT_DISTANCE
     triangles = TriangleSamples((surface.vertices - begin)[surface.faces])
@@ -123,9 +115,9 @@ def unite_objects(first: SegmentedObject, second: SegmentedObject) -> SegmentedO
         the means of confidence and strength weighted by perimeter.
     """
     clicks = tuple(said for item in (first, second) for said in item.clicks if said.inside)
-    if first.surface and second.surface:
-        return replace(first, clicks=clicks, surface=(unite_bodies(first.surface[0], second.surface[0]),))
-    one, other = polygon_from_boundary(first.boundary), polygon_from_boundary(second.boundary)
+    if first.region.ndim == 3:
+        return replace(first, clicks=clicks, region=unite_bodies(first.region, second.region))
+    one, other = polygon_from_boundary(first.region.boundary), polygon_from_boundary(second.region.boundary)
     both = one.union(other)
     closed = both.buffer(0.5 * _MAX_SLIT_WIDTH, join_style="mitre").buffer(-0.5 * _MAX_SLIT_WIDTH, join_style="mitre")
     between = closed.intersection(one.buffer(_MAX_SLIT_WIDTH)).intersection(other.buffer(_MAX_SLIT_WIDTH))
@@ -134,7 +126,7 @@ def unite_objects(first: SegmentedObject, second: SegmentedObject) -> SegmentedO
     return replace(
         first,
         clicks=clicks,
-        boundary=boundary,
+        region=Region(boundary),
         gaps=tuple(gap for item in (first, second) for gap in item.gaps if lies_on(gap, boundary)),
         confidence=float(np.average((first.confidence, second.confidence), weights=lengths)),
         strength=float(np.average((first.strength, second.strength), weights=lengths)),

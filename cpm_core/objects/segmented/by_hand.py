@@ -11,6 +11,7 @@ import scipy
 import skimage
 
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.image.region import Region
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Arrays, Index, Line, Mask, Position, frozen
 from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, boundary_from_polygon, lies_on, polygon_from_boundary
@@ -101,10 +102,10 @@ def split_object(
 
     places, area, edges = (
         np.array([first, second], dtype=float),
-        polygon_from_boundary(item.boundary),
+        polygon_from_boundary(item.region.boundary),
         _ObjectEdges(item, scale_field),
     )
-    if not item.encloses(places).all():
+    if not item.region.encloses(places).all():
         raise ValueError(POINT_OUTSIDE)
     low, step, is_second = _split_by_watershed(item, places, edges)
     between = skimage.measure.find_contours(is_second.astype(float), 0.5)  # type: ignore[no-untyped-call]
@@ -139,12 +140,12 @@ def split_object_along(
     one_side, drawn = shapely.make_valid(shapely.Polygon([*path, aside])), shapely.LineString(line)
     cuts = [
         cut
-        for cut in _clip_to_area(polygon_from_boundary(item.boundary), [path])
+        for cut in _clip_to_area(polygon_from_boundary(item.region.boundary), [path])
         if shapely.LineString(cut).distance(drawn) <= _CUT_ON_EDGE_DISTANCE
     ]
     cuts = [edges.snap_to_edges(cut) for cut in cuts]
     found = _divide_object(item, cuts, lambda face: bool(one_side.contains(face.representative_point())), edges)
-    first, second = sorted((found.first, found.second), key=lambda half: -half.area)
+    first, second = sorted((found.first, found.second), key=lambda half: -half.region.size)
     return Halves(first, second, found.cuts)
 
 
@@ -158,15 +159,15 @@ def redraw_boundary(
     curve = round_line(redrawn.points)
     if item.line:
         return replace(item, line=curve)
-    curves = [*item.boundary[:index], curve, *item.boundary[index + 1 :]]
+    curves = [*item.region.boundary[:index], curve, *item.region.boundary[index + 1 :]]
     boundary = boundary_from_polygon(polygon_from_boundary(curves))
     return _replace_boundary(item, boundary, [redrawn.drawn], _ObjectEdges(item, scale_field)) if boundary else item
 
 
 def mark_gaps(item: SegmentedObject, scale_field: ScaleField | None) -> SegmentedObject:
     """Mark as gaps the stretches of a boundary drawn by hand that follow no edge."""
-    closed = [np.array((*curve, curve[0])) for curve in item.boundary]
-    return _replace_boundary(item, item.boundary, closed, _ObjectEdges(item, scale_field))
+    closed = [np.array((*curve, curve[0])) for curve in item.region.boundary]
+    return _replace_boundary(item, item.region.boundary, closed, _ObjectEdges(item, scale_field))
 
 
 def round_line(points: Array) -> Line:
@@ -179,7 +180,9 @@ class _ObjectEdges:
 
     def __init__(self, item: SegmentedObject, scale_field: ScaleField | None) -> None:
         self._field = scale_field
-        along = np.concatenate([polyline.sample_path(np.array((*curve, curve[0])), 1.0) for curve in item.boundary])
+        along = np.concatenate(
+            [polyline.sample_path(np.array((*curve, curve[0])), 1.0) for curve in item.region.boundary]
+        )
         self._boundary = max(float(np.median(self._measure_strength(along))), 1e-9)
 
     def _measure_strength(self, places: Array) -> Array:
@@ -227,7 +230,7 @@ def _split_by_watershed(item: SegmentedObject, places: Array, edges: _ObjectEdge
     step = max(1.0, float(np.sqrt(extent.prod() / _MAX_WATERSHED_PIXELS)))
     shape = tuple(np.ceil(extent / step).astype(int).tolist())
     grid = low + step * np.indices(shape).reshape(2, -1).T
-    inside = item.encloses(grid).reshape(shape)
+    inside = item.region.encloses(grid).reshape(shape)
     depth = step * scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
     pixels = np.rint((places - low) / step).astype(int)
     smooth = scipy.ndimage.gaussian_filter(depth, 1.0)
@@ -290,7 +293,7 @@ def _divide_object(
     """Divide an object into the two on the sides of cuts."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
-    area = polygon_from_boundary(item.boundary)
+    area = polygon_from_boundary(item.region.boundary)
     lines = shapely.union_all([area.boundary, *map(shapely.LineString, cuts)], grid_size=_LINE_GRID)
     faces: tuple[list[Any], list[Any]] = [], []
     for face in shapely.get_parts(shapely.polygonize([lines])):
@@ -308,4 +311,4 @@ def _replace_boundary(
 ) -> SegmentedObject:
     """Replace the boundary of an object, along lines that were drawn or cut."""
     gaps = (*item.gaps, *(gap for path in drawn for gap in edges.find_gaps(path)))
-    return replace(item, clicks=(), boundary=boundary, gaps=tuple(gap for gap in gaps if lies_on(gap, boundary)))
+    return replace(item, clicks=(), region=Region(boundary), gaps=tuple(gap for gap in gaps if lies_on(gap, boundary)))

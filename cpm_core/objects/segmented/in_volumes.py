@@ -11,20 +11,18 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.contours.packed_surface import PackedBody, PackedVoxels
-from cpm_core.image.volume_regions import Voxels
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Place, Sides
+from cpm_core.image.region import Region
+from cpm_core.numerics.types import Array, Extent, Mask, Place, Sides
 from cpm_core.objects.segmented.by_hand import POINT_OUTSIDE, Halves, climb_to_peak
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
-
-Part = tuple[Index, Mask]
-"""The first voxel of a box of a volume, and a mask of voxels in the box."""
 
 _MAX_RIPPLE_HEIGHT = 0.01
 """Largest height of a ripple along the path of a brush, which consists of balls [smallest sides of a voxel]."""
 
 
-def voxelize_brush(shape: Extent, path: Sequence[Place], radius: float, sides: Sides, axis: int | None = None) -> Part:
+def voxelize_brush(
+    shape: Extent, path: Sequence[Place], radius: float, sides: Sides, axis: int | None = None
+) -> Region:
     """Find the voxels of a volume that a brush covers on the way between two places, or at one.
 
     Parameters
@@ -59,10 +57,10 @@ def voxelize_brush(shape: Extent, path: Sequence[Place], radius: float, sides: S
         first, behind = np.fmin(first, at[2] - half), np.fmax(behind, at[2] + half)
     mask = (col >= first[..., None]) & (col <= behind[..., None])
     mask[tuple(last - low)] = True
-    return low, mask
+    return Region.from_mask(mask, low)
 
 
-def paint_voxels(objects: SegmentedObjects, number: int, part: Part, adds: bool = True) -> SegmentedObjects:
+def paint_voxels(objects: SegmentedObjects, number: int, part: Region, adds: bool = True) -> SegmentedObjects:
     """Add voxels to one of the objects of a volume, or remove them; an object without any left is dropped.
 
     Voxels of other objects are not added, or, if objects may overlap, taken from those that are not frozen or hidden.
@@ -73,36 +71,30 @@ def paint_voxels(objects: SegmentedObjects, number: int, part: Part, adds: bool 
         Objects of a volume.
     number : int
         Number of an object, or of a new one, which gets the class of the next object.
-    part : tuple
+    part : Region
         The voxels.
     adds : bool
         Whether they are added rather than removed.
     """
-    begin, mask = part
     known = {item.number: item for item in objects.items}
-    taken: dict[int, Mask] = {}
-    for item in objects.items if adds else ():
-        there = item.surface[0].mask_in_box(begin, mask.shape) & mask
-        if item.number == number or not there.any():
-            continue
-        if objects.may_overlap and not item.frozen and not item.hidden:
-            taken[item.number] = there
-        else:
-            mask = mask & ~there
+    others = [item for item in objects.items if adds and item.number != number]
+    yielding = [item for item in others if objects.may_overlap and not item.frozen and not item.hidden]
+    for item in others:
+        if item not in yielding:
+            part = part.without(item.region)
+    touched = (item for item in yielding if not item.region.shared_with(part).is_empty)
+    painted = {item.number: item.region.without(part) for item in touched}
     if number in known:
-        taken[number] = mask
-    elif adds and mask.any():
-        voxels = PackedVoxels.from_voxels(Voxels(mask, tuple(begin.tolist())))
-        known[number] = SegmentedObject(number, (), category=objects.category, surface=(voxels,))
-    for other, part_taken in taken.items():
-        body = known[other].surface[0].as_packed_voxels
-        there, here = body.mask_in_box(begin, mask.shape), part_taken & mask
-        left = body.with_box_replaced(begin, there | here if adds and other == number else there & ~here)
-        if left is None:
+        before = known[number].region
+        painted[number] = before.united(part) if adds else before.without(part)
+    elif adds and not part.is_empty:
+        known[number] = SegmentedObject(number, (), part, category=objects.category)
+    for other, region in painted.items():
+        if region.is_empty:
             del known[other]
-        elif left != body:
-            known[other] = replace(known[other], clicks=(), surface=(left,))
-    ends = replace(objects, clicks=(), edited=0) if objects.edited in taken else objects
+        elif region.size != np.count_nonzero(known[other].region.mask):
+            known[other] = replace(known[other], clicks=(), region=region)
+    ends = replace(objects, clicks=(), edited=0) if objects.edited in painted else objects
     return replace(ends, items=tuple(known.values()))
 
 
@@ -112,11 +104,10 @@ def split_painted_object(item: SegmentedObject, first: Place, second: Place, sid
     They meet at the neck between the points, by the watershed of the distance from the boundary, or halfway without a
     neck. `sides` are those of a voxel. ValueError when a point lies outside.
     """
-    voxels = item.surface[0].voxels
-    inside, begin = np.pad(voxels.mask, 1), np.array(voxels.first or (0, 0, 0)) - 1
-    places = [np.rint(place).astype(np.int64) - begin for place in (first, second)]
-    if not all(item.surface[0].mask_in_box(place + begin, (1, 1, 1)).all() for place in places):
+    inside, begin = np.pad(item.region.mask, 1), np.array(item.region.origin) - 1
+    if not item.region.encloses(np.array([first, second], float)).all():
         raise ValueError(POINT_OUTSIDE)
+    places = [np.rint(place).astype(np.int64) - begin for place in (first, second)]
     depth = scipy.ndimage.distance_transform_edt(inside, sampling=sides)
     height = -scipy.ndimage.gaussian_filter(depth, 1.0)
     ways = [climb_to_peak(-height, place) for place in places]
@@ -128,20 +119,19 @@ def split_painted_object(item: SegmentedObject, first: Place, second: Place, sid
     found = skimage.segmentation.watershed(height, seeds, mask=inside)  # type: ignore[no-untyped-call]
     around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
     found = np.where(inside, found[tuple(around)], 0)  # assign pieces that are connected to neither point
-    halves = (PackedVoxels.from_voxels(Voxels(found == number, tuple(begin.tolist()))) for number in (1, 2))
-    one, other = (replace(item, clicks=(), surface=(half,)) for half in halves)
+    halves = (Region.from_mask(found == number, begin) for number in (1, 2))
+    one, other = (replace(item, clicks=(), region=half) for half in halves)
     return Halves(one, other, ())
 
 
-def fill_between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part, int]:
-    """Fill in voxels between slices of a body across an axis; also return the number of slices that get some.
+def fill_between_slices(body: Region, axis: int, sides: Sides) -> tuple[Region, int]:
+    """Find the voxels between slices of a body across an axis; also return the number of slices that get some.
 
     Signed distances from the outlines are interpolated (S. P. Raya and J. K. Udupa, 1990) between the pieces of two
     slices that overlap, or that are nearest where none does, with their centers on each other, so that slanted pieces
     keep their width (G. T. Herman, J. Zheng and C. A. Bucholtz, 1992). `sides` are those of a voxel.
     """
-    voxels = body.as_packed_voxels.voxels
-    slices = np.moveaxis(voxels.mask, axis, 0)
+    slices = np.moveaxis(body.mask, axis, 0)
     filled = np.zeros_like(slices)
     pixel = sides[:axis] + sides[axis + 1 :]
     for first, last in pairwise(np.flatnonzero(slices.any(axis=(1, 2))).tolist()):
@@ -149,17 +139,18 @@ def fill_between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part
         for at in range(first + 1, last):
             share = (at - first) / (last - first)
             filled[at] = np.any([_interpolate_pieces(*pair, pixel, share) for pair in pairs], axis=0)
-    return (np.array(voxels.first), np.moveaxis(filled, 0, axis)), int(filled.any(axis=(1, 2)).sum())
+    return Region.from_mask(np.moveaxis(filled, 0, axis), body.origin), int(filled.any(axis=(1, 2)).sum())
 
 
 def _interpolate_pieces(one: Mask, other: Mask, pixel: tuple[float, ...], share: float) -> Mask:
     """Interpolate two pieces at a fraction of the way from one to the other."""
     way = _find_center(other) - _find_center(one)
+    margin = math.ceil(np.abs(way).max())  # as far as the pieces are shifted
     near, far = (
-        weight * scipy.ndimage.shift(_signed_piece_distance(piece, pixel), by * way, order=1, mode="nearest")
+        weight * scipy.ndimage.shift(_signed_piece_distance(np.pad(piece, margin), pixel), by * way, order=1)
         for piece, weight, by in ((one, 1.0 - share, share), (other, share, share - 1.0))
     )
-    return np.asarray(near + far > 0.0)
+    return np.asarray(near + far > 0.0)[tuple(slice(margin, margin + side) for side in one.shape)]
 
 
 def _match_pieces(first: Mask, last: Mask, pixel: tuple[float, ...]) -> list[tuple[Mask, Mask]]:

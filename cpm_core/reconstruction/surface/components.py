@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from cpm_core.contours.surface import Surface
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.types import Array, Index, Mask, Sides, Single
 

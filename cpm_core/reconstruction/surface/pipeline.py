@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.contours.surface import Surface
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.field.volume_surface import project_all_to_ridge
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import bridge_corner_contacts, zero_surface
 from cpm_core.numerics.types import Array, Mask, Sides, Single
 from cpm_core.reconstruction.surface.blur_correction import blurred_edge_width, measure_local_thresholds

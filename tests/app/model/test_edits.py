@@ -11,14 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core.parameters import Parameters
-from cpm_core.shapes import SEEDING_KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Stroke
+from cpm_core.shapes import SEEDING_KINDS, Barrier, Circle, Everywhere, Points, PolygonRegion, Shape, Stroke
 
 coordinates = st.floats(-200, 200, allow_nan=False)
 positions = st.tuples(coordinates, coordinates)
 circles = st.builds(Circle, positions, st.floats(1, 100))
 points = st.builds(Points, st.lists(positions, min_size=1, max_size=5).map(tuple))
 lines = st.lists(positions, min_size=3, max_size=5, unique=True).map(tuple)
-shapes = st.one_of(circles, points, *(st.builds(kind, lines) for kind in (Stroke, Region, Barrier)))
+shapes = st.one_of(circles, points, *(st.builds(kind, lines) for kind in (Stroke, PolygonRegion, Barrier)))
 
 
 @given(st.lists(shapes, max_size=4), shapes)
@@ -46,7 +46,7 @@ def test_a_moved_circle_keeps_its_radius_and_a_resized_one_its_center(circle: Ci
 def test_every_kind_of_start_gives_seeds_and_no_limit_does() -> None:
     line = ((10.0, 10.0), (10.0, 30.0))
     image_seeds = {Everywhere("grid"): np.array([[1.0, 1.0], [9.0, 9.0]])}
-    document = Document(shapes=(Barrier(line), Stroke(line), Region((*line, (40.0, 30.0))), Everywhere("grid")))
+    document = Document(shapes=(Barrier(line), Stroke(line), PolygonRegion((*line, (40.0, 30.0))), Everywhere("grid")))
     assert document.starts == (Stroke(line), Everywhere("grid"))
     seeds = document.collect_seeds(image_seeds)
     assert seeds[-2:].tolist() == image_seeds[Everywhere("grid")].tolist()
@@ -66,7 +66,7 @@ def test_starting_everywhere_twice_over_is_starting_nowhere(drawn: list[Shape], 
 @given(st.lists(shapes, max_size=5))
 def test_regions_and_barriers_of_the_document_are_those_drawn_in_their_order(drawn: list[Shape]) -> None:
     regions = Document(shapes=tuple(drawn)).regions
-    interest = tuple(shape.points for shape in drawn if isinstance(shape, Region))
+    interest = tuple(shape.points for shape in drawn if isinstance(shape, PolygonRegion))
     barriers = tuple(shape.points for shape in drawn if isinstance(shape, Barrier))
     assert (regions.interest, regions.barriers) == (interest, barriers) if regions else not (interest or barriers)
 

@@ -8,7 +8,7 @@ from cpm_app.model.document.edits import ShapeHit, find_shape_at
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from cpm_core.shapes import Circle, Everywhere, Region
+from cpm_core.shapes import Circle, Everywhere, PolygonRegion
 
 CIRCLE = Circle((50.0, 60.0), 20.0)
 
@@ -38,6 +38,6 @@ def test_what_was_drawn_last_wins_unless_another_is_selected() -> None:
 
 
 def test_a_circle_within_a_region_is_hit_through_it_and_a_start_everywhere_nowhere() -> None:
-    shapes = (CIRCLE, Region(((0.0, 0.0), (0.0, 120.0), (120.0, 120.0), (120.0, 0.0))), Everywhere("grid"))
+    shapes = (CIRCLE, PolygonRegion(((0.0, 0.0), (0.0, 120.0), (120.0, 120.0), (120.0, 0.0))), Everywhere("grid"))
     assert find_shape_at(shapes, CIRCLE.center, 3.0) == ShapeHit(0, "body")
     assert find_shape_at(shapes, (100.0, 100.0), 3.0) is None

@@ -11,6 +11,7 @@ from cpm_app.model.document.saving import describe_changes
 from cpm_core.contours.contour import Contour
 from cpm_core.formats import to_bytes
 from cpm_core.formats.masks.labels import paint_labels
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented.segmented_object import Click
 from cpm_core.objects.selection import Selection
 from cpm_core.results import Result, boundaries_result
@@ -32,7 +33,8 @@ def selected(*squares: tuple[float, float], confidence: float = 0.5) -> Selectio
         mask ^= (np.minimum(row, col) > low) & (np.maximum(row, col) < high)
     curves = tuple(Contour(square(*each), True, 3.0) for each in squares)
     gap = square(*squares[0])[:2]
-    return Selection(mask, curves, (gap,), confidence, np.array([[15.0, 15.0]]), np.empty((0, 2)))
+    inside, outside = np.array([[15.0, 15.0]]), np.empty((0, 2))
+    return Selection(Region.from_mask(mask), mask.shape, inside, outside, curves, (gap,), confidence)
 
 
 FRAME, DOT = selected((4.5, 25.5), (9.5, 20.5)), selected((11.5, 18.5))
@@ -58,7 +60,7 @@ def numbers(document: Document) -> list[int]:
 def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own(document) -> None:
     frame, dot = document.objects.items
     assert (frame.number, dot.number) == (1, 2)
-    assert [np.array(curve).tolist() for curve in frame.boundary] == [c.points.tolist() for c in FRAME.contours]
+    assert [np.array(curve).tolist() for curve in frame.region.boundary] == [c.points.tolist() for c in FRAME.contours]
     assert (frame.clicks, frame.confidence, frame.strength, dot.category) == ((HERE,), 0.5, 3.0, 2)
     assert numbers(accepted(objects.delete_objects(document, (1,)), FRAME, (HERE,))) == [2, 3]
 
@@ -78,7 +80,7 @@ def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
     assert (changing.objects.clicks, changing.objects.edited, changing.objects.category) == ((THERE,), 2, 2)
     changed = accepted(changing, FRAME, (THERE, HERE), 2)
     item = changed.objects[2]
-    assert (item.name, item.category, len(item.boundary), item.clicks) == ("dot", 2, 2, (THERE, HERE))
+    assert (item.name, item.category, len(item.region.boundary), item.clicks) == ("dot", 2, 2, (THERE, HERE))
     assert changed.objects.edited == 0
 
 
@@ -130,7 +132,7 @@ FIBER = Contour(np.array([[1.0, 1.0], [1.0, 21.0]]), False, 2.0)
 )
 def test_copied_contours_are_objects_with_their_direct_holes(document, copied, holes) -> None:
     made = objects.copy_contours_to_objects(document.objects, found_contours(*RINGS), copied)
-    assert [len(item.boundary) - 1 for item in made] == holes
+    assert [len(item.region.boundary) - 1 for item in made] == holes
     assert all(item.category == document.objects.category and not item.clicks for item in made)
 
 

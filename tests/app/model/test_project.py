@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core.formats import Project, ProjectImage, Reading
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import Click, ObjectClass, SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Circle, Everywhere
@@ -63,7 +64,7 @@ def test_only_untouched_images_are_proposed() -> None:
 
 def test_settings_go_to_other_images_but_nothing_drawn_and_no_object_does() -> None:
     classes = (ObjectClass("nucleus", "#112233"), *SegmentedObjects().classes[1:])
-    objects = SegmentedObjects((SegmentedObject(1, (), (SQUARE,)),), classes, 2)
+    objects = SegmentedObjects((SegmentedObject(1, (), Region((SQUARE,))),), classes, 2)
     shapes = (Circle((9.0, 9.0), 3.0), Everywhere("grid"))
     document = Document(IMAGE, shapes, PRESETS["noisy"], mode="automatic", objects=objects)
     file = settings_of(document)
@@ -77,7 +78,7 @@ def test_settings_go_to_other_images_but_nothing_drawn_and_no_object_does() -> N
 @pytest.mark.parametrize(
     "document",
     [Document(IMAGE, (Circle((9.0, 9.0), 3.0),)),
-     Document(IMAGE, objects=SegmentedObjects((SegmentedObject(1, (), (SQUARE,)),))),
+     Document(IMAGE, objects=SegmentedObjects((SegmentedObject(1, (), Region((SQUARE,))),))),
      Document(IMAGE, objects=SegmentedObjects(clicks=(Click(((1.0, 1.0),)),)))],
 )  # fmt: skip
 def test_what_was_drawn_clicked_or_accepted_is_work(document: Document) -> None:

@@ -10,7 +10,7 @@ import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.text.language import MAX_SHOWN_LETTERS
 
-from cpm_core.shapes import Barrier, Polygon, Region
+from cpm_core.shapes import Barrier, Polygon, PolygonRegion
 from tests.app.session.test_never_blocks import Watch
 
 pytestmark = pytest.mark.shared_window
@@ -42,14 +42,14 @@ HOSTILE = {
 @pytest.mark.parametrize("content", HOSTILE.values(), ids=HOSTILE)
 def test_a_session_with_a_million_letters_shows_only_few_of_them(ready, hand, tmp_path, content) -> None:
     path, opened = tmp_path / "long.cpm", ready.session.store.image_generation
-    path.write_text(json.dumps({"cpm-session": 2, **content}))
+    path.write_text(json.dumps({"cpm-session": 3, **content}))
     ready.session.open_file(path)
     shown = ready.canvas_area.messages
     hand.wait(lambda: bool(shown.text) or ready.session.store.image_generation > opened)
     assert len(shown.text) <= MAX_SHOWN_LETTERS
 
 
-@pytest.mark.parametrize("kind", [Barrier, Region, Polygon])
+@pytest.mark.parametrize("kind", [Barrier, PolygonRegion, Polygon])
 def test_a_gesture_on_a_line_of_many_corners_takes_few_calls(window, hand, kind) -> None:
     session, shape = window.session, kind(around())
     corner = shape.points[0]

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QMessageBox
 
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.objects.segmented import SegmentedObject
-from cpm_core.shapes import Circle, Region
+from cpm_core.shapes import Circle, PolygonRegion
 
 pytestmark = pytest.mark.shared_window
 
@@ -81,7 +81,7 @@ def answering(text: str) -> Iterator[None]:
 def test_what_is_saved_by_a_key_is_restored_with_objects_and_view(ready, hand, saved_to, tmp_path) -> None:
     session, canvas = ready.session, hand.canvas
     session.edit(
-        "draw region", lambda document: edits.add_shape(document, Region(((1.0, 1.0), (1.0, 60.0), (60.0, 9.0))))
+        "draw region", lambda document: edits.add_shape(document, PolygonRegion(((1.0, 1.0), (1.0, 60.0), (60.0, 9.0))))
     )
     session.edit("damping", lambda document: edits.set_parameter(document, "beta", 0.5))
     vessel = SegmentedObject(1, (), name="vessel", line=((3.0, 3.0), (9.0, 50.0)))

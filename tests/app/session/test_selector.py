@@ -1,10 +1,15 @@
-"""What is known of earlier clicks is not worked out again."""
+"""What is known of earlier clicks is not worked out again, and accepted objects limit what clicks select."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from cpm_app.session.features.selector import Selector
+from cpm_app.session.scene import Proposal
 
-from cpm_core import Partition, example, partition
-from cpm_core.objects.segmented import Click
+from cpm_core import Partition, VolumePartition, example, partition
+from cpm_core.image.region import Region
+from cpm_core.objects.segmented import Click, SegmentedObject
 
 
 def test_each_place_under_the_pointer_costs_one_answer_however_many_came_before(
@@ -17,3 +22,20 @@ def test_each_place_under_the_pointer_costs_one_answer_however_many_came_before(
     for col in range(300):
         selector.selection_for((*clicks, Click(((10.0, float(col)),))))
     assert len(asked) == len(clicks) + 300
+
+
+def test_an_accepted_object_in_a_volume_is_a_limit_unless_it_may_overlap_or_is_clicked() -> None:
+    there = partition(example("ball"))
+    whole = there.select([(15, 15, 12)])
+    half = whole.mask & (np.indices(there.shape)[2] >= 16)
+    item = SegmentedObject(1, (), region=Region.from_mask(half))
+    beside, within = (Click(((15.0, 15.0, 12.0),)),), (Click(((15.0, 15.0, 20.0),)),)
+    for clicks, overlaps, is_limited in ((beside, False, True), (beside, True, False), (within, False, False)):
+        found = Selector(there, (item,), overlaps=overlaps).selection_for(clicks)
+        assert (found.mask & half).any() != is_limited
+        assert (found.mask & ~half).sum() > 0.9 * (whole.mask & ~half).sum()
+    after_run = VolumePartition(there.image, whole.surface)
+    offered = Proposal(after_run.select([(15, 15, 12)]), beside, key=-1)
+    selected_elsewhere = replace(item, clicks=(Click(((1.0, 1.0, 1.0),)),))
+    (left,) = Selector(after_run, (selected_elsewhere,), found=(offered,)).proposals
+    np.testing.assert_array_equal(left.selection.mask, offered.selection.mask & ~half)

@@ -14,7 +14,7 @@ from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_
 from cpm_core.shapes import Circle
 from tests.app.session.test_recovery import draw, journal, leave, offer, press, written
 
-PLAIN = {"cpm-session": 2, "image": {"path": "a.png"}, JOURNAL_KEY: {"name": "a"}}
+PLAIN = {"cpm-session": 3, "image": {"path": "a.png"}, JOURNAL_KEY: {"name": "a"}}
 
 
 def said(window) -> str:
@@ -23,12 +23,12 @@ def said(window) -> str:
 
 UNREADABLE = {
     "empty": b"",
-    "cut off": b'{"cpm-session": 2, "image": ',
+    "cut off": b'{"cpm-session": 3, "image": ',
     "not text": b"\xff\xfe\x00",
     "newer": json.dumps({**PLAIN, "cpm-session": 7}).encode(),
     "unknown shape": json.dumps({**PLAIN, "shapes": [{"kind": "torus"}]}).encode(),
-    "no journal": json.dumps({"cpm-session": 2, "image": {"path": "a.png"}}).encode(),
-    "no image": json.dumps({"cpm-session": 2, JOURNAL_KEY: {"name": "a"}}).encode(),
+    "no journal": json.dumps({"cpm-session": 3, "image": {"path": "a.png"}}).encode(),
+    "no image": json.dumps({"cpm-session": 3, JOURNAL_KEY: {"name": "a"}}).encode(),
 }
 
 

@@ -117,7 +117,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
     table = csv.read_csv(tmp_path / "cells.csv")
     assert sorted(table["label"].to_pylist()) == list(range(1, 10))
     pixels = np.bincount(labels.ravel())[table["label"].to_numpy()]
-    assert table["area [µm²]"].to_numpy() / 0.25 == pytest.approx(pixels, rel=0.03)
+    assert table["area_um2"].to_numpy() / 0.25 == pytest.approx(pixels, rel=0.03)
     assert np.isfinite(table["intensity_mean"].to_numpy()).all()
 
 
@@ -215,7 +215,7 @@ def test_files_hold_what_was_found(found, tmp_path):
     assert table.column_names == same.column_names
     assert sorted(table["label"].to_pylist()) == list(range(1, 12))
     pixels = np.bincount(finest.ravel())[table["label"].to_numpy()]
-    areas = table["area [µm²]"].to_numpy() / 0.25
+    areas = table["area_um2"].to_numpy() / 0.25
     assert np.isfinite(table["intensity_mean"].to_numpy()).all()
     assert areas == pytest.approx(pixels, rel=0.03)
 

@@ -109,7 +109,7 @@ def test_each_body_is_found_once_in_all_files(found, files):
     table, same = parquet.read_table(files / "bodies.parquet"), csv.read_csv(files / "bodies.csv")
     assert table.column_names == same.column_names
     assert table["label"].to_pylist() == list(range(1, BODIES + 1))
-    volumes = table["volume [um3]"].to_numpy()
+    volumes = table["volume_um3"].to_numpy()
     assert (np.diff(volumes) < 0.0).all()
     levels = ome_zarr.open_multiscale(files / "labels.zarr")
     labels = np.asarray(levels.arrays[0])
@@ -117,7 +117,7 @@ def test_each_body_is_found_once_in_all_files(found, files):
     assert np.bincount(labels.ravel())[1:] * 0.125 == pytest.approx(volumes, rel=0.02)
     for number in range(1, BODIES + 1):  # what is one is one, through all seams
         assert scipy.ndimage.label(labels == number)[1] == 1
-        center = [table[f"center_{axis} [um]"][number - 1].as_py() for axis in ("plane", "row", "col")]
+        center = [table[f"center_{axis}_um"][number - 1].as_py() for axis in ("plane", "row", "col")]
         assert center == pytest.approx(np.argwhere(labels == number).mean(axis=0) * 0.5, abs=0.1)
     surface = cpm.load_surface(files / "bodies.ply", cpm.load_volume(files / "labels.zarr"))
     assert sorted(np.unique(surface.numbers)) == list(range(1, BODIES + 1))

@@ -20,7 +20,7 @@ from cpm_core.cli import workers
 from cpm_core.cli.workers import BatchJob, BatchRow, run_job
 from cpm_core.formats.common.content import compute_fingerprint
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
-from cpm_core.shapes import Circle, Region
+from cpm_core.shapes import Circle, PolygonRegion
 
 ROOT = Path(__file__).parents[3]
 CENTERS, RADIUS = ((40.0, 30.0), (40.0, 75.0)), 14.0
@@ -55,7 +55,7 @@ def test_a_session_does_what_its_parts_do_as_flags(told, session, disks, tmp_pat
 
 
 def test_the_regions_of_a_session_act(told, disks, tmp_path):
-    right = Region(((0.0, 52.0), (0.0, 104.0), (79.0, 104.0), (79.0, 52.0)))
+    right = PolygonRegion(((0.0, 52.0), (0.0, 104.0), (79.0, 104.0), (79.0, 52.0)))
     path, mask = tmp_path / "a.cpm", tmp_path / "mask.png"
     save_session(SessionFile(shapes=(Circle(CENTERS[1], 6.0), right), parameters=Parameters(scales=2)), path)
     told("run", disks, "--session", path, "--export", mask)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from cpm_core.contours.surface import Surface
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import zero_surface
 
 CORNERS = np.array([[0, 0, 0], [0, 0, 1], [0, 1, 0], [1, 0, 0]], float)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cpm_core import METHODS, PRESETS, Image, VolumeRegions, VolumeTruth, skeleton
-from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.formats import to_bytes
+from cpm_core.image.region import Region
 
 VOLUME = PRESETS["volume"]
 
@@ -68,7 +68,7 @@ def test_regions_and_surfaces_say_what_has_a_skeleton():
     rod = np.zeros(volume.shape, bool)
     rod[10:16, 10:16, 4:40] = True
     whole = METHODS["skeleton"](volume)
-    one = whole.for_objects([PackedSurface.from_surface(VolumeTruth(rod).surface)])
+    one = whole.for_objects([Region.from_surface(VolumeTruth(rod).surface)])
     lines = one.result(run(one)[-1], VOLUME)
     assert len(lines.contours) == 1
     assert np.allclose(np.median(lines.contours[0].points[:, :2], axis=0), 12.5, atol=0.6)

@@ -71,7 +71,7 @@ def test_a_volume_is_clicked_in_its_planes():
     points = [tuple(map(float, pair.split(","))) for pair in line.strip("MZ").split("L")]
     np.testing.assert_allclose(np.hypot(*(np.array(points).T - 15.0)), np.sqrt(9.0**2 - 5.0**2), atol=0.3)
     assert body
-    assert view.selection.volume == pytest.approx(ball.surface.volume)
+    assert view.selection.size == pytest.approx(ball.surface.volume)
     assert sent(view, "turn_to", 2)["chosen"]["objects"] == [(True, "")]
     cpm.notebook_view(ball.image).click((15, 15, 15))
 

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Image, Partition, Regions, circle, example, partition, segment, select_all, uniform_grid
+from cpm_core.image.region import Region
 
 from ..scenes import antialiased, disk, ring
 
@@ -170,7 +171,7 @@ def test_what_has_no_bearing_on_a_further_click_stays_as_it_was(scene_partition)
 
 def test_a_click_changes_only_what_hangs_together_with_it(scene_partition):
     before = scene_partition.select([(30, 38)], [(5, 5)])
-    wrong = replace(before, mask=before.mask ^ within(110.0, 20.0, 4.0))
+    wrong = replace(before, region=Region.from_mask(before.mask ^ within(110.0, 20.0, 4.0)))
     after = scene_partition.select([(30, 38)], [(5, 5), (30, 68)], previous=wrong)
     assert not after.mask[within(110.0, 20.0, 4.0)].any()  # not connected with the object
     assert after.mask[30, 38]

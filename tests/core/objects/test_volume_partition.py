@@ -1,5 +1,6 @@
 """Objects in volumes: the bodies that closed surfaces enclose, chosen by clicks."""
 
+import json
 from functools import cache
 
 import numpy as np
@@ -8,9 +9,11 @@ import scipy
 from skimage.measure import marching_cubes
 
 import cpm_core as cpm
-from cpm_core.contours.packed_surface import PackedSurface, PackedVoxels
-from cpm_core.contours.surface import Surface, label_voxels
-from cpm_core.image.volume_regions import Voxels
+from cpm_core.contours.surface import label_voxels
+from cpm_core.formats.common.json_values import from_json, to_json
+from cpm_core.image.region import Region
+from cpm_core.image.surface import Surface
+from cpm_core.objects.segmented import SegmentedObject
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
 SHELL, LONE = np.array([13.0, 14.0, 20.0]), np.array([34.0, 14.0, 20.0])
@@ -50,7 +53,7 @@ def parted():
 def test_a_click_selects_what_a_surface_encloses_and_further_ones_add_to_it(clicks, volume, walls):
     found = parted().select(clicks)
     assert found.remark == ""
-    assert found.volume == pytest.approx(volume, rel=0.04)
+    assert found.size == pytest.approx(volume, rel=0.04)
     assert found.mask.sum() * np.prod(SPACING) == pytest.approx(volume, rel=0.05)
     assert found.surface.closed
     assert (found.surface.components, found.surface.euler) == (walls, 2 * walls)
@@ -58,8 +61,8 @@ def test_a_click_selects_what_a_surface_encloses_and_further_ones_add_to_it(clic
 
 
 def test_the_area_is_that_of_all_walls_of_the_body():
-    assert parted().select([WALL]).area == pytest.approx(4.0 * np.pi * (81.0 + 25.0), rel=0.03)
-    assert parted().select([HOLLOW]).area == pytest.approx(4.0 * np.pi * 25.0, rel=0.04)
+    assert parted().select([WALL]).surface.area == pytest.approx(4.0 * np.pi * (81.0 + 25.0), rel=0.03)
+    assert parted().select([HOLLOW]).surface.area == pytest.approx(4.0 * np.pi * 25.0, rel=0.04)
 
 
 def test_clicks_one_after_the_other_are_those_at_once_and_one_outside_takes_a_body_away():
@@ -77,16 +80,16 @@ def test_the_result_of_a_run_is_cut_along_its_surface():
     image = cpm.Image(200.0 * np.clip(0.5 + inside / 1.5, 0.0, 1.0), spacing=SPACING, unit="mm")
     start = cpm.sphere(WALL, 2.0, 60, voxel_size=SPACING)
     cut = cpm.partition(cpm.segment(image, start, cpm.PRESETS["volume"]))
-    assert cut.select([HOLLOW]).volume == pytest.approx(EMPTY, rel=0.05)
-    assert cut.select([WALL]).volume == pytest.approx(FULL - EMPTY, rel=0.03)
+    assert cut.select([HOLLOW]).size == pytest.approx(EMPTY, rel=0.05)
+    assert cut.select([WALL]).size == pytest.approx(FULL - EMPTY, rel=0.03)
     everything = cpm.partition(image).select([WALL, HOLLOW])
-    assert everything.volume == pytest.approx(FULL, rel=0.03)
+    assert everything.size == pytest.approx(FULL, rel=0.03)
 
 
 def test_what_has_been_selected_is_kept_in_single_precision_and_comes_back():
     surface = parted().select([WALL]).surface
-    kept = PackedSurface.from_surface(surface)
-    again = PackedSurface(kept.vertices, kept.faces)
+    kept = Region.from_surface(surface)
+    again = from_json(SegmentedObject, json.loads(json.dumps(to_json(SegmentedObject(1, (), kept)))), "it").region
     assert again == kept
     np.testing.assert_array_equal(again.surface.faces, surface.faces)
     np.testing.assert_allclose(again.surface.vertices, surface.vertices, rtol=1e-6, atol=1e-6)
@@ -135,7 +138,7 @@ def test_a_click_in_a_ball_gives_the_ball_to_a_fraction_of_a_voxel_without_a_run
     assert found.surface.euler == 2
     radii = np.linalg.norm((found.surface.vertices - center) * spacing, axis=1)
     assert np.sqrt(np.square(radii - radius).mean()) < off
-    assert found.volume == pytest.approx(4.0 / 3.0 * np.pi * radius**3, rel=0.02)
+    assert found.size == pytest.approx(4.0 / 3.0 * np.pi * radius**3, rel=0.02)
 
 
 def test_a_body_at_the_border_of_the_volume_is_flat_there():
@@ -162,7 +165,7 @@ def test_a_click_in_a_ball_within_a_ball_has_both_among_its_candidates_from_smal
     cut = cpm.partition(cpm.Image(values + noise))
     found = cut.find_candidates([(32, 32, 32)])
     assert [_dice(found[0].mask, away < 8.0), _dice(found[-1].mask, away < 25.0)] == pytest.approx([1.0, 1.0], abs=0.1)
-    volumes = [one.volume for one in found]
+    volumes = [one.size for one in found]
     assert volumes == sorted(volumes)
     assert any(one.has_same_region(cut.select([(32, 32, 32)])) for one in found)
 
@@ -193,9 +196,9 @@ def test_a_click_where_no_surface_is_closed_adds_what_is_likely_there_to_what_is
     cut = parted()
     alone = cpm.VolumePartition(cut.image, cut.select([WALL]).surface)
     certain = alone.select([WALL])
-    assert certain.body is None
+    assert certain.prediction is None
     both = alone.select([BALL], previous=certain)
-    assert both.body is not None
+    assert both.prediction is not None
     assert _dice(both.mask, cut.select([WALL, BALL]).mask) > 0.9
 
 
@@ -210,7 +213,7 @@ def test_a_click_corrects_painted_voxels_near_it_and_leaves_those_far_from_it(ad
     far = np.zeros(shape, bool)
     far[4:40:3, 8:40:2, 60:72], far[20:28, 10:14, 20:28] = True, True  # nothing that an image shows
     painted = (painted | far) & ~(np.indices(shape)[2] < 14)
-    before = cut.build_selection(PackedVoxels.from_voxels(Voxels(painted)))
+    before = cut.build_selection(Region.from_mask(painted))
     np.testing.assert_array_equal(before.mask, painted)
     click = [(24, 24, 44)]
     after = cut.select(*((click, []) if adds else ([(24, 24, 24)], click)), previous=before)
@@ -218,7 +221,7 @@ def test_a_click_corrects_painted_voxels_near_it_and_leaves_those_far_from_it(ad
     assert _dice(after.mask & lump, wanted & lump) > 0.9
     away = off > 13.0
     np.testing.assert_array_equal(after.mask[away], painted[away])
-    assert after.packed_body.voxels.mask.sum() == after.mask.sum()
+    assert after.region.surface is None and after.region.size == after.mask.sum()
 
 
 @pytest.mark.parametrize("side", [48, 120])
@@ -261,7 +264,7 @@ def test_a_click_in_the_background_finds_nothing_and_one_in_a_faint_ball_the_bal
         assert not nothing.has_boundary
         assert nothing.remark == "No body was found at this place."
         assert not bodies.select([place], previous=nothing).has_boundary
-    assert bodies.select([(16, 14, 15)]).volume == pytest.approx(4.0 / 3.0 * np.pi * 7.0**3, rel=0.25)
+    assert bodies.select([(16, 14, 15)]).size == pytest.approx(4.0 / 3.0 * np.pi * 7.0**3, rel=0.25)
 
 
 def test_a_body_with_edges_around_it_is_found_though_the_click_is_in_a_hollow_like_the_background() -> None:
@@ -271,3 +274,31 @@ def test_a_body_with_edges_around_it_is_found_though_the_click_is_in_a_hollow_li
     found = cpm.VolumePartition(cpm.Image(values)).select([(22, 22, 22)])
     assert found.contains(np.array([(22.0, 22.0, 22.0), (22.0, 22.0, 32.0)])).all()
     assert not found.contains(np.array([(2.0, 2.0, 2.0)]))[0]
+
+
+@pytest.mark.parametrize("runs", [False, True])
+def test_nothing_excluded_is_selected_in_a_volume_and_the_rest_is_what_it_would_be(runs):
+    away = _lengths((40, 40, 40), (1.0,) * 3, np.full(3, 20.0))
+    cut = cpm.partition(_seen(12.0 - away, (1.0,) * 3))
+    if runs:
+        cut = cpm.VolumePartition(cut.image, cut.select([(20, 20, 20)]).surface)
+    right = np.indices(away.shape)[2] >= 24
+    whole = cut.select([(20, 20, 16)])
+    chosen = cut.select([(20, 20, 16)], excluded=right)
+    np.testing.assert_array_equal(chosen.mask, whole.mask & ~right)
+    assert chosen.surface.closed and chosen.size < whole.size
+    more = cut.select([(20, 20, 12)], previous=chosen, excluded=right)
+    np.testing.assert_array_equal(more.mask, chosen.mask)
+    assert not any((one.mask & right).any() for one in cut.find_candidates([(20, 20, 16)], excluded=right))
+    np.testing.assert_array_equal(cut.select([(20, 20, 16)], excluded=away > 15.0).mask, whole.mask)
+
+
+def test_what_excluded_voxels_cut_off_from_the_click_is_left_out_and_a_click_in_them_is_ignored():
+    away = _lengths((40, 40, 40), (1.0,) * 3, np.full(3, 20.0))
+    cut = cpm.partition(_seen(12.0 - away, (1.0,) * 3))
+    wall = np.abs(np.indices(away.shape)[2] - 22) < 2
+    assert not cut.select([(20, 20, 14)], excluded=wall).mask[..., 21:].any()
+    nothing = cut.select([(20, 20, 22)], excluded=wall)
+    assert (nothing.has_boundary, nothing.remark) == (False, "A point in another object is ignored.")
+    with pytest.raises(ValueError, match="the excluded voxels are"):
+        cut.select([(20, 20, 14)], excluded=wall[1:])

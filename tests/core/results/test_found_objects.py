@@ -74,6 +74,14 @@ def test_a_grid_in_a_region_of_interest_is_everywhere_in_it(disks) -> None:
     assert not is_run_everywhere(run(disks, cpm.circle(ONE, 5), regions=regions))
 
 
+def test_a_grid_in_voxels_that_are_not_cubes_is_everywhere() -> None:
+    places = np.moveaxis(np.indices((20, 32, 64)), 0, -1) * (2.5, 1.0, 1.0)
+    away = [np.linalg.norm(places - (25.0, 16.0, col), axis=-1) for col in (16.0, 46.0)]
+    volume = cpm.Image(200.0 * np.clip(11.0 - np.minimum(*away), 0.0, 1.0), spacing=(2.5, 1.0, 1.0))
+    result = cpm.segment(volume, cpm.uniform_grid(volume.shape), cpm.PRESETS["volume"])
+    assert is_run_everywhere(result) and len(result.objects) == 2
+
+
 def test_a_region_drawn_after_a_run_gives_the_objects_of_one_drawn_before_it(disks) -> None:
     regions = cpm.Regions(interest=(((2.0, 2.0), (2.0, 34.0), (34.0, 34.0), (34.0, 2.0)),))
     parameters = cpm.PRESETS["automatic"]
@@ -112,7 +120,7 @@ def test_the_bodies_of_a_volume_are_proposed_those_of_drawn_starts_or_all() -> N
     image = cpm.Image(np.round(20.0 + 180.0 * np.clip(7.0 - away, 0.0, 1.0)))
     whole = cpm.segment(image, cpm.seeds_everywhere(image), "volume").objects
     assert len(whole) == 2
-    assert [one.volume for one in whole] == sorted((one.volume for one in whole), reverse=True)
+    assert [one.size for one in whole] == sorted((one.size for one in whole), reverse=True)
     (one,) = cpm.segment(image, Sphere((11.0, 13.0, 10.0), 4.0).seeds(), "volume").objects
     assert one.contains(centers).tolist() == [True, False]
     labels = cpm.objects_result(whole, image).labels

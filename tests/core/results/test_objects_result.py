@@ -10,6 +10,7 @@ import tifffile
 import cpm_core as cpm
 from cpm_core import Image, objects_result, to_bytes
 from cpm_core.contours.rasterize import rasterize_labels, rasterize_mask
+from cpm_core.image.region import Region
 from cpm_core.objects.boundaries.boundary_guides import build_boundary_guides
 from cpm_core.objects.outline import compute_outlines
 from cpm_core.objects.selection import Selection
@@ -22,7 +23,8 @@ def selection(mask):
     flat = np.zeros(mask.shape)
     found = compute_outlines(mask, build_boundary_guides(flat, flat))
     gaps = tuple(gap for outline in found for gap in outline.gaps)
-    return Selection(mask, tuple(outline.contour for outline in found), gaps, 0.5, np.empty((0, 2)), np.empty((0, 2)))
+    none, contours = np.empty((0, 2)), tuple(outline.contour for outline in found)
+    return Selection(Region.from_mask(mask), mask.shape, none, none, contours, gaps, 0.5)
 
 
 def ring(center, inner, outer):

@@ -25,7 +25,7 @@ from cpm_core.shapes import (
     Grid,
     Points,
     Polygon,
-    Region,
+    PolygonRegion,
     Sphere,
     Stroke,
     Threshold,
@@ -50,7 +50,7 @@ def stars(draw) -> tuple[tuple[float, float], ...]:
 
 polygons, grids = st.builds(Polygon, stars()), st.builds(Grid, stars(), st.floats(2, 20))
 thresholds = st.builds(Threshold, stars(), st.floats(0.05, 0.9))
-areas = polygons | grids | thresholds | st.builds(Region, stars())
+areas = polygons | grids | thresholds | st.builds(PolygonRegion, stars())
 seeded = ellipses | polygons | grids
 
 
@@ -96,7 +96,7 @@ def test_an_area_encloses_positions_that_its_line_winds_around(shape, position) 
     assume(polyline.distance_to_path((*shape.points, shape.points[0]), position) > 1e-6)
     inside = wound_around(shape.points, position)
     assert bool(polyline.points_inside(shape.points, np.array([position]))[0]) == inside
-    assert shape.encloses(position) == (inside and not isinstance(shape, Region))
+    assert shape.encloses(position) == (inside and not isinstance(shape, PolygonRegion))
 
 
 @given(ellipses, positions)
@@ -113,7 +113,7 @@ def test_a_handle_of_an_ellipse_changes_one_radius_or_its_direction_alone(ellips
         assert [(end[i] - turned.center[i]) / turned.radii[0] for i in range(2)] == pytest.approx(towards, abs=1e-6)
 
 
-@given(polygons | st.builds(Region, stars()), st.floats(0.5, 5))
+@given(polygons | st.builds(PolygonRegion, stars()), st.floats(0.5, 5))
 def test_an_enlarged_area_keeps_its_center_and_reaches_farther_by_the_given_distance(shape, by) -> None:
     center = np.mean(shape.points, axis=0)
     farthest = max(math.dist(center, point) for point in shape.points)
@@ -199,7 +199,7 @@ CORNERS = ((0.0, 0.0), (0.0, 9.0), (9.0, 9.0))
         (lambda: Barrier((CORNERS[0], CORNERS[0])), "1 different points are given but at least 2"),
         *(
             (lambda kind=kind: kind((*CORNERS[:2], CORNERS[0])), "2 different points are given but at least 3")
-            for kind in (Polygon, Region, Grid, Threshold)
+            for kind in (Polygon, PolygonRegion, Grid, Threshold)
         ),
     ],
 )
@@ -209,7 +209,7 @@ def test_an_invalid_shape_is_refused_in_one_sentence(make, sentence) -> None:
     assert str(caught.value).endswith(".")
 
 
-@pytest.mark.parametrize("shape", [Polygon(CORNERS), Region(CORNERS), Barrier(CORNERS[:2]), Grid(CORNERS, 4.0)])
+@pytest.mark.parametrize("shape", [Polygon(CORNERS), PolygonRegion(CORNERS), Barrier(CORNERS[:2]), Grid(CORNERS, 4.0)])
 def test_a_corner_dragged_onto_another_leaves_a_valid_shape(shape) -> None:
     assert shape.with_handle_at(CORNERS[0], CORNERS[1]) == shape
 

@@ -10,11 +10,11 @@ from typing import Literal
 
 from cpm_app.model.text.language import tr
 from cpm_core import PARAMETERS, PRESETS, Image, Parameters, PlacedCharge
-from cpm_core.contours import PackedBody
 from cpm_core.formats import Reading
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import AnyRegions
+from cpm_core.image.region import Region
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.types import Array, Extent, Line, Sides, frozen
 from cpm_core.objects.segmented import SegmentedObjects
@@ -151,19 +151,20 @@ class Document:
     def outlines(self) -> tuple[Line, ...]:
         """Closed lines whose skeleton is wanted: current boundaries of objects, and closed contours."""
         chosen = self.outlined.objects
-        lines = [line for item in self.objects.items if item.number in chosen for line in item.boundary]
+        lines = [line for item in self.objects.items if item.number in chosen for line in item.region.boundary]
         return (*lines, *self.outlined.contours)
 
     @property
-    def outlined_surfaces(self) -> tuple[PackedBody, ...]:
+    def outlined_bodies(self) -> tuple[Region, ...]:
         """Current bodies of objects in a volume whose skeleton is wanted."""
         chosen = self.outlined.objects
-        return tuple(packed for item in self.objects.items if item.number in chosen for packed in item.surface)
+        items = (item for item in self.objects.items if item.number in chosen)
+        return tuple(item.region for item in items if item.region.ndim == 3)
 
     @property
     def skeleton_inputs(self) -> tuple[object, ...]:
         """Everything but the image and the parameters that a skeleton depends on."""
-        return self.outlines, self.outlined_surfaces, () if self.regions is None else self.regions.interest
+        return self.outlines, self.outlined_bodies, () if self.regions is None else self.regions.interest
 
     def collect_seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> Array:
         """Collect the seeds of the starts, shape (N, D) [px of the image], given those of each of `image_starts`.

@@ -12,9 +12,11 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import initial_clicks, name_class
 from cpm_app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
-from cpm_core.contours import Label, PackedSurface, extract_object_surface
+from cpm_core.contours import extract_object_surface
 from cpm_core.contours.contour import Contours
 from cpm_core.formats import ContourFile
+from cpm_core.image.region import Region
+from cpm_core.image.surface import Label
 from cpm_core.numerics.types import Texts, record
 from cpm_core.objects.segmented import SegmentedObject, round_line
 from cpm_core.shapes import Points, Polygon, Stroke, start_from_surface, starts_from_centerlines, starts_from_contours
@@ -98,7 +100,7 @@ def objects_from_contours(contours: Contours) -> tuple[SegmentedObject, ...]:
         SegmentedObject(
             number,
             (),
-            tuple(round_line(part.points) for part in parts),
+            Region(tuple(round_line(part.points) for part in parts)),
             name=parts[0].name if parts[0].name != parts[0].category else "",
             color=parts[0].color,
             confidence=1.0,
@@ -135,10 +137,10 @@ def objects_from_surface(surface: Surface, volume: Image) -> tuple[SegmentedObje
         SegmentedObject(
             label.number,
             (),
+            Region.from_surface(body),
             name=label.name,
             color=label.color,
             confidence=1.0,
-            surface=(PackedSurface.from_surface(body),),
         )
         for label, body in zip(labels, bodies, strict=True)
     )

@@ -12,12 +12,14 @@ import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
-from cpm_core import Bridge, Result, Selection, Surface, VolumeSelection, containment
-from cpm_core.contours import Label, PackedBody, join_surfaces, select_bridges_on
+from cpm_core import Result, Selection, Surface, containment
+from cpm_core.contours import select_bridges_on
 from cpm_core.contours.contour import Contours
-from cpm_core.numerics import Array, Place, Position, path_length, polyline, simplify_path
+from cpm_core.image.region import Region
+from cpm_core.image.surface import Label
+from cpm_core.numerics import Array, Place, Position, polyline, simplify_path
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Extent, Integers, Line, Sides
+from cpm_core.numerics.types import Extent, Integers, Line
 from cpm_core.objects.segmented import (
     Click,
     Halves,
@@ -25,21 +27,17 @@ from cpm_core.objects.segmented import (
     SegmentedObject,
     SegmentedObjects,
     class_label,
-    contours_from_object,
     lies_on,
     object_label,
     paint_voxels,
     round_line,
+    selection_from_object,
     unite_objects,
 )
-from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.parameters import Provenance
-from cpm_core.results import boundaries_result
-from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region, Stroke
-
-AnySelection = Selection | VolumeSelection
-"""A selection in an image or in a volume."""
+from cpm_core.results import boundaries_result, join_objects
+from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, PolygonRegion, Stroke
 
 _SURFACE_BLOCK_SIDE = 2.0
 """Side of the blocks of voxels that get at most one point on a surface."""
@@ -56,7 +54,7 @@ _SESSION_DECIMALS = 3
 
 def initial_clicks(item: SegmentedObject, shape: Extent) -> Clicks:
     """Return the clicks that select an object in an image of this shape: its own, or one where it is widest."""
-    return item.clicks or (Click((item.find_innermost_pixel(shape),)),)
+    return item.clicks or (Click((item.line[0] if item.line else item.region.find_innermost_pixel(shape),)),)
 
 
 def set_selection_clicks(document: Document, clicks: Clicks, number: int = 0) -> Document:
@@ -66,7 +64,7 @@ def set_selection_clicks(document: Document, clicks: Clicks, number: int = 0) ->
     return _replace_objects(document, clicks=clicks, edited=number if clicks else 0, category=category)
 
 
-SelectionUpdate = tuple[AnySelection, Clicks, int]
+SelectionUpdate = tuple[Selection, Clicks, int]
 """A selection with its clicks and the number of the object that it replaces, 0 for a new one."""
 
 
@@ -131,7 +129,7 @@ def object_from_contours(number: int, category: int, contours: Contours, gaps: I
     return SegmentedObject(
         number,
         (),
-        curves if closed else (),
+        Region(curves) if closed else Region(),
         tuple(map(round_line, gaps)),
         strength=round(strength, _SESSION_DECIMALS),
         category=category,
@@ -175,11 +173,13 @@ def replace_boundaries(document: Document, found: Iterable[SelectionUpdate]) -> 
     )
 
 
-def object_from_selection(selection: AnySelection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
+def object_from_selection(selection: Selection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
     """Make an object of a selection that is not empty."""
-    if isinstance(selection, VolumeSelection):
-        clicks = clicks if selection.voxels is None else ()  # they no longer explain what has been painted
-        return SegmentedObject(number, clicks, category=category, surface=(selection.packed_body,))
+    if selection.region.ndim == 3:
+        exact = selection.region.surface
+        if exact is None:  # the clicks no longer explain what has been painted
+            return SegmentedObject(number, (), selection.region, category=category)
+        return SegmentedObject(number, clicks, Region.from_surface(exact), category=category)
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _SESSION_DECIMALS)
     item = object_from_contours(number, category, selection.contours, selection.gaps)
     return replace(item, clicks=clicks, confidence=confidence)
@@ -251,13 +251,13 @@ def name_class(document: Document, category: int, name: str, color: str = "") ->
 def add_objects_as_starts(document: Document, numbers: Iterable[int]) -> Document:
     """Add the outlines and lines of objects as starts; in a volume, points all over their surfaces."""
     return _add_objects_as_shapes(
-        document, numbers, Polygon, lambda surface: Points(_sample_surface_points(surface.surface)), Stroke
+        document, numbers, Polygon, lambda body: Points(_sample_surface_points(body.find_surface())), Stroke
     )
 
 
 def add_objects_as_regions(document: Document, numbers: Iterable[int]) -> Document:
     """Add objects as regions of interest; their holes count as inside, and open objects enclose none."""
-    return _add_objects_as_shapes(document, numbers, Region, EnclosedRegion)
+    return _add_objects_as_shapes(document, numbers, PolygonRegion, EnclosedRegion)
 
 
 def add_objects_as_barriers(document: Document, numbers: Iterable[int]) -> Document:
@@ -270,18 +270,18 @@ def add_objects_as_barriers(document: Document, numbers: Iterable[int]) -> Docum
 def _add_objects_as_shapes(
     document: Document,
     numbers: Iterable[int],
-    shape: Callable[[Line], Polygon | Region | Barrier],
-    in_volume: Callable[[PackedBody], Points | EnclosedRegion | EnclosingWall],
+    shape: Callable[[Line], Polygon | PolygonRegion | Barrier],
+    in_volume: Callable[[Region], Points | EnclosedRegion | EnclosingWall],
     from_line: Callable[[Line], Stroke | Barrier] | None = None,
     holes: bool = False,
 ) -> Document:
     for number in numbers:
         item = document.objects[number]
-        for surface in item.surface:
-            document = edits.add_shape(document, in_volume(surface))
+        if item.region.ndim == 3:
+            document = edits.add_shape(document, in_volume(item.region))
         if item.line and from_line is not None:
             document = edits.add_shape(document, from_line(simplify_path(item.line)))
-        for curve in item.boundary if holes else item.outer_curves:
+        for curve in item.region.boundary if holes else item.region.outer_curves:
             few = simplify_path(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))
     return document
@@ -304,37 +304,20 @@ def _sample_surface_points(surface: Surface) -> tuple[Place, ...]:
 def build_objects_result(document: Document, only: Container[int] | None = None) -> Result | None:
     """Return the objects, or those with some numbers, as a result for writers, with class, name and color.
 
-    The contours of an object have its number as their group, and holes are marked, so that a label mask has one label
-    for it and none in its holes. Gaps become bridges of strength 0, as theirs is unknown. Hidden objects are left out;
-    None when no other remains. The image itself is not needed, so this can be called at any time.
+    Hidden objects are left out; None when no other remains. The image itself is not needed, so this can be called at
+    any time.
     """
     objects, image = document.objects, document.image
     shown = [item for item in objects.items if not item.hidden and (only is None or item.number in only)]
     if image is None or not shown:
         return None
-    surface = join_object_surfaces(shown, image.spacing, image.unit)
-    if surface is not None:
-        labels = (
-            Label(item.number, _object_label(objects, item), objects.color_of(item), _class_label(objects, item))
-            for item in shown
-        )
-        surface = replace(surface, labels=tuple(labels))
-    contours = tuple(
-        replace(
-            contour,
-            name=_object_label(objects, item),
-            color=objects.color_of(item),
-            group=item.number,
-            category=_class_label(objects, item),
-            confidence=item.confidence or None,
-        )
-        for item in shown
-        for contour in contours_from_object(item)
-    )
-    bridges = tuple(Bridge(np.array(gap), path_length(gap), 0.0) for item in shown for gap in item.gaps)
-    found: dict[str, Any] = {"contours": contours, "bridges": bridges, "surface": surface}
     made = Provenance("objects", sha256=image.sha256)
-    return boundaries_result(image.shape, image.name, image.spacing, image.unit, provenance=made, **found)
+    nothing = boundaries_result(image.shape, image.name, image.spacing, image.unit, provenance=made)
+    labels = [
+        Label(item.number, _object_label(objects, item), objects.color_of(item), _class_label(objects, item))
+        for item in shown
+    ]
+    return join_objects(nothing, [selection_from_object(item, image.shape) for item in shown], labels)
 
 
 def _object_label(objects: SegmentedObjects, item: SegmentedObject) -> str:
@@ -343,12 +326,6 @@ def _object_label(objects: SegmentedObjects, item: SegmentedObject) -> str:
 
 def _class_label(objects: SegmentedObjects, item: SegmentedObject) -> str:
     return class_label(item.category, objects.classes[item.category - 1].name)
-
-
-def join_object_surfaces(items: Iterable[SegmentedObject], spacing: Sides, unit: str | None) -> Surface | None:
-    """Join the surfaces of objects in a volume, with the number of its object for each triangle."""
-    bodies = [(item.number, item.unpacked_surface) for item in items if item.unpacked_surface is not None]
-    return join_surfaces(bodies, spacing, unit) if bodies else None
 
 
 # Texts
@@ -384,7 +361,7 @@ def set_overlap(document: Document, may_overlap: bool) -> Document:
     return _replace_objects(document, may_overlap=may_overlap)
 
 
-def paint_volume_object(document: Document, number: int, part: Part, adds: bool = True) -> Document:
+def paint_volume_object(document: Document, number: int, part: Region, adds: bool = True) -> Document:
     """Add voxels to an object of a volume, or to a new one, or remove them; see `paint_voxels`."""
     return replace(document, objects=paint_voxels(document.objects, number, part, adds))
 
@@ -425,12 +402,12 @@ def apply_brush(
     """
     if not boundary:
         return delete_objects(document, (number,))
-    made = before or SegmentedObject(number, (), boundary, category=document.objects.category)
+    made = before or SegmentedObject(number, (), Region(boundary), category=document.objects.category)
     kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
     painted = []
     for points in map(np.array, boundary):
         on = np.abs(polyline.distances_to_path(path, points) - radius) <= _BRUSH_EDGE_TOLERANCE
         runs = (points[run].tolist() for run in polyline.find_marked_runs(on, closed=True) if len(run) > 1)
         painted += [tuple(map(tuple, run)) for run in runs]
-    new = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted), confidence=0.0)
+    new = replace(made, clicks=(), region=Region(boundary), gaps=(*kept, *painted), confidence=0.0)
     return accept_objects(document, (new,), ends=document.objects.edited == number)

@@ -9,7 +9,7 @@ from dataclasses import field, replace
 import numpy as np
 
 from cpm_app.model.volume.slices import Slice
-from cpm_app.model.volume.surface_section import cut_body
+from cpm_app.model.volume.surface_section import cut_region
 from cpm_core.field import CHARGE_RADIUS
 from cpm_core.numerics import Array, Position, polyline
 from cpm_core.numerics.polyline import as_line
@@ -112,7 +112,7 @@ def _iterate_cuts(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
         sections = _cut_extruded(shape, here)
         yield from map(_transpose_section, sections) if here.transposed else sections
     elif isinstance(shape, EnclosedRegion | EnclosingWall):
-        for line in cut_body(shape.surface, here):
+        for line in cut_region(shape.region, here):
             yield Cut(shape, _close_line(line)) if isinstance(shape, EnclosedRegion) else Barrier((*line, line[0]))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
         away = abs(shape.position[here.axis] - here.index) * sides[here.axis]

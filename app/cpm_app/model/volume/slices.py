@@ -172,7 +172,7 @@ def find_slice_flips(volume: Image | None, here: Slice | None) -> tuple[bool, bo
     return below in _TOP_ENDS, right in _LEFT_ENDS
 
 
-def axis_labels(image: Image) -> tuple[AxisEnds, AxisEnds, AxisEnds]:
+def axis_labels(image: Image) -> tuple[AxisEnds, ...]:
     """Return what is written at the ends of the axes: as `axis_ends`, in an oblique volume several letters."""
     return axis_ends(image) if image.geometry is None else image.geometry.oblique_ends
 

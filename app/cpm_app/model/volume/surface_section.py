@@ -10,11 +10,11 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_app.model.document.objects import AnySelection
 from cpm_app.model.volume.slices import Slice
-from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
-from cpm_core.contours import PackedBody, PackedVoxels, slice_surface
-from cpm_core.numerics import Array, Place, polyline
+from cpm_core import Contour, Selection, Skeleton, Surface
+from cpm_core.contours import slice_surface
+from cpm_core.image.region import Region
+from cpm_core.numerics import Array, polyline
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
@@ -44,22 +44,22 @@ def _cut_into_closed_lines(surface: Surface, here: Slice) -> tuple[Contour, ...]
 
 
 @lru_cache(maxsize=_CACHED_BODY_CUTS)
-def cut_body(body: PackedBody, here: Slice) -> tuple[Line, ...]:
-    """Return the closed lines in which a slice cuts a body; around voxels they run halfway to their neighbors."""
-    return tuple(_iterate_boundary_lines(body, here))
+def cut_region(region: Region, here: Slice) -> tuple[Line, ...]:
+    """Return the closed lines in which a slice cuts a region; around voxels they run halfway to their neighbors."""
+    return tuple(_iterate_boundary_lines(region, here))
 
 
-def _iterate_boundary_lines(body: PackedBody, here: Slice) -> Iterable[Line]:
-    if isinstance(body, PackedVoxels):
-        first, shape = [*body.first], [*body.shape]
-        first[here.axis], shape[here.axis] = here.index, 1
-        pixels = np.pad(replace(here, index=0).slice_array(body.mask_in_box(first, shape)), 1)
-        begin = np.array(here.drop_axis(tuple(first))) - 1.0
+def _iterate_boundary_lines(region: Region, here: Slice) -> Iterable[Line]:
+    if region.surface is None:
+        window = list(region.window)
+        window[here.axis] = slice(here.index, here.index + 1)
+        pixels = np.pad(replace(here, index=0).slice_array(region.cut_out(tuple(window))), 1)
+        begin = np.array(here.drop_axis(region.origin)) - 1.0
         curves = skimage.measure.find_contours(pixels.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
         for curve in curves:
             yield as_line(curve[:-1] + begin)
     else:
-        for contour in _cut_into_closed_lines(body.surface, here):
+        for contour in _cut_into_closed_lines(region.surface, here):
             line = as_line(contour.points)
             if len(set(line)) > 2:
                 yield line
@@ -73,8 +73,8 @@ def cut_objects(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
 
 
 def _cut_object(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
-    boundary = cut_body(item.surface[0], here) if item.surface else ()
-    return replace(item, clicks=(), boundary=boundary, surface=()) if boundary else None
+    boundary = cut_region(item.region, here)
+    return replace(item, clicks=(), region=Region(boundary)) if boundary else None
 
 
 def select_near_clicks(clicks: Clicks, here: Slice) -> Clicks:
@@ -87,28 +87,12 @@ def select_near_clicks(clicks: Clicks, here: Slice) -> Clicks:
     return tuple(near)
 
 
-def cut_selection(selection: AnySelection, here: Slice) -> Selection:
+def cut_selection(selection: Selection, here: Slice) -> Selection:
     """Cut a selection by a slice: only its boundary is given."""
     nowhere = np.empty((0, 2))
-    lines = _cut_into_closed_lines(selection.surface, here) if isinstance(selection, VolumeSelection) else ()
-    return Selection(np.zeros((0, 0), bool), lines, (), 1.0, nowhere, nowhere)
-
-
-def object_contains(item: SegmentedObject, place: Place) -> bool:
-    """Tell whether a position (row, col) [px], or (plane, row, col), lies in an object."""
-    if len(place) == 2:
-        return bool(item.encloses(np.array([place], float))[0])
-    if any(isinstance(body, PackedVoxels) for body in item.surface):
-        return bool(item.surface[0].mask_in_box([round(at) for at in place], (1, 1, 1)).all())
-    here = Slice(0, round(place[0]))
-    within = np.array([here.drop_axis(place)], float)
-    lines = cut_body(item.surface[0], here) if item.surface else ()
-    return bool(sum(bool(polyline.points_inside(line, within)[0]) for line in lines) % 2)
-
-
-def object_size(item: SegmentedObject) -> float:
-    """Return the volume of an object, in the unit of its image; the area [px²] in a plane."""
-    return item.surface[0].volume if item.surface else item.area
+    lines = () if selection.surface is None else _cut_into_closed_lines(selection.surface, here)
+    boundary = Region(tuple(as_line(line.points) for line in lines))
+    return Selection(boundary, here.drop_axis(selection.shape), nowhere, nowhere, lines, confidence=1.0)
 
 
 _CENTERLINE_DISTANCE = 1.5

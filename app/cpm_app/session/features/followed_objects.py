@@ -161,7 +161,7 @@ def _make_follower(source: StackSource, pages: Sequence[tuple[int, Document]], l
 
 def _feed_follower(follower: ObjectFollower, image: Image, document: Document) -> None:
     """Pass the objects of a page to a follower, except for open ones."""
-    closed = (item for item in document.objects.items if item.boundary)
+    closed = (item for item in document.objects.items if item.region.boundary)
     found = {item.number: selection_from_object(item, image.shape) for item in closed}
     follower.remember_page(image.gray_levels(document.parameters.channel), found)
 
@@ -170,10 +170,12 @@ def _make_objects(found: Sequence[FollowedObject], before: Iterable[SegmentedObj
     """Make objects of what was found, with class and color of their origin, and its name if it is the same object."""
     like, items = {item.number: item for item in before}, []
     for one in found:
-        known, shape = like[one.origin], one.selection.mask.shape
+        known, shape = like[one.origin], one.selection.shape
         item = objects.object_from_selection(one.selection, (), one.number, known.category)
         name = known.name if one.number == one.origin else ""
-        items.append(replace(item, clicks=(Click((item.find_innermost_pixel(shape),)),), name=name, color=known.color))
+        items.append(
+            replace(item, clicks=(Click((item.region.find_innermost_pixel(shape),)),), name=name, color=known.color)
+        )
     return tuple(items)
 
 

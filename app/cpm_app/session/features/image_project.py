@@ -28,6 +28,7 @@ from cpm_app.session.exchange.messages import CommandFailed, ImageOpened, Openin
 from cpm_app.session.features.kept_pages import run_recorded
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_rows import ItemKey
+from cpm_app.session.features.object_selection import ObjectSelection
 from cpm_app.session.features.project_table import write_table
 from cpm_app.session.features.selector import MAX_OFFERED_PIXELS
 from cpm_app.session.features.stack_pages import StackPages
@@ -119,9 +120,11 @@ class ImageProject(QObject):
     image_wanted = Signal(object)
     """The user goes on to an image: its path."""
 
-    def __init__(self, session: Session, object_list: ObjectList, pages: StackPages) -> None:
+    def __init__(
+        self, session: Session, object_list: ObjectList, object_selection: ObjectSelection, pages: StackPages
+    ) -> None:
         super().__init__(session)
-        self._session, self._list, self._pages = session, object_list, pages
+        self._session, self._list, self._selection, self._pages = session, object_list, object_selection, pages
         self._file: DocumentFile
         self._content = FolderContent()
         self.current: Path | None = None
@@ -130,6 +133,8 @@ class ImageProject(QObject):
         """The image that was asked for last."""
         self._first_settings: SessionFile | None = None
         """The settings that the open image began with."""
+        self._opened_to_run = False
+        """Whether the open image was opened to be run, if it is untouched."""
         self._shown: object = None
         """State and number of objects of the open image, as last announced."""
         self._writing = self._preparing = ENDED_TASK
@@ -234,19 +239,22 @@ class ImageProject(QObject):
     def mark(self, state: ImageState) -> None:
         """Mark the open image, and go on to the next one; if it is marked so already, remove the mark and stay.
 
-        If proposals would be lost, only a message says so; asked again, the image is marked.
+        If proposals would be lost, only a message says so; asked again, the image is marked. While the next image is
+        being opened, a key that was pressed twice changes nothing.
         """
-        if self.current is None:
+        if self.current is None or self._session.opening_name:
             return
         removed, here = self._here.state == state, self._here
         offered = () if removed else self._undecided_proposals
         asked = self.current, state, offered
-        if offered and asked != self._asked:
+        if (offered or (self._awaits_proposals and not removed)) and asked != self._asked:
             self._asked = asked
             text = tr(
                 "Proposals that are not accepted: {count}. Accept them, or press the same key again to go on without "
                 "them."
             )
+            if not offered:
+                text = tr("Objects are still being found. Wait, or press the same key again to go on without them.")
             self._session.messages.show(text.format(count=len(offered)), category=EDITING_CATEGORY)
             return
         self._asked = None
@@ -332,6 +340,16 @@ class ImageProject(QObject):
         return tuple(row.key for row in rows) if likely or not self._session.document.objects.items else ()
 
     @property
+    def _awaits_proposals(self) -> bool:
+        """Whether a run is about to begin, goes on, or has ended and its proposals are not shown yet."""
+        result = self._session.scene.result
+        if self._session.status.phase == "running":
+            return True
+        if self._opened_to_run and self.state == "untouched" and (result is None or not result.stop_reason):
+            return True
+        return not (self._selection.offer_is_known or self._session.document.objects.items)
+
+    @property
     def _needs_saving(self) -> bool:
         """Whether there is work on the open image that its session in the project lacks."""
         path = self.session_path
@@ -375,6 +393,7 @@ class ImageProject(QObject):
         self._wanted = self.current
         if self.current != before:  # and not another page of it
             self._first_settings = self._read_settings()
+            self._opened_to_run = self.proposes
             if self.proposes and not (opened.saved and opened.saved.file.runs):
                 QTimer.singleShot(0, self, self._run_untouched)
         self.changed.emit()

@@ -12,7 +12,6 @@ from PySide6.QtCore import QObject, Signal
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.objects import apply_brush, paint_volume_object
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.surface_section import object_contains
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.session import Session
 from cpm_core.numerics import Place, polyline
@@ -29,7 +28,7 @@ _MIN_BRUSH_MOVE = 0.3
 
 def default_brush_radius(image: ImageReference | None) -> float:
     """Return the default radius of the brush, which depends on the size of the image [px]."""
-    return max(0.03 * max(image.shape), 4.0) if image is not None else 4.0
+    return max(round(0.03 * max(image.shape)), 4.0) if image is not None else 4.0
 
 
 class ObjectBrush(QObject):
@@ -108,7 +107,7 @@ class ObjectBrush(QObject):
             self._session.messages.show(tr("There is no object under the brush to erase from."))
         elif self._path and self.adds and self._list.objects == self._known:
             others = (item for item in self._known.items if item.number != self._number)
-            found = next((item for item in others if any(object_contains(item, at) for at in self._path)), None)
+            found = next((item for item in others if any(item.region.contains(at) for at in self._path)), None)
             if found is not None:
                 self._session.messages.show(self._explain_obstacle(found))
         self._path = []
@@ -124,16 +123,17 @@ class ObjectBrush(QObject):
             path = polyline.sample_path(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
             near = [
                 item for item in self._list.objects_near(path, radius) if not item.line and
-                (item.encloses(path).any() or (polyline.distances_to_closed_paths(item.boundary, path) < radius).any())
+                (item.region.encloses(path).any() or
+                 (polyline.distances_to_closed_paths(item.region.boundary, path) < radius).any())
             ]  # fmt: skip
-        return min(near, key=lambda one: (one.number != under, one.area), default=None)
+        return min(near, key=lambda one: (one.number != under, one.region.size), default=None)
 
     def find_obstacle(self, at: Place, target: SegmentedObject | None, adds: bool, makes_new: bool) -> str:
         """Find why a brush at a place would do nothing, as a sentence; empty if it would paint, or erase."""
         if target is not None and (target.frozen or target.hidden):
             return self._explain_obstacle(target)
         limits = self._find_limits(at, target, makes_new) if adds else ()
-        found = next((item for item in limits if object_contains(item, at)), None)
+        found = next((item for item in limits if item.region.contains(at)), None)
         return "" if found is None else self._explain_obstacle(found)
 
     def _find_limits(self, at: Place, target: SegmentedObject | None, makes_new: bool) -> tuple[SegmentedObject, ...]:
@@ -144,7 +144,7 @@ class ObjectBrush(QObject):
             if item is not target and (item.frozen or not known.may_overlap or (in_volume and item.hidden))
         ]  # fmt: skip
         if makes_new and not in_volume:
-            limits = [item for item in limits if item.frozen or not object_contains(item, at)]
+            limits = [item for item in limits if item.frozen or not item.region.contains(at)]
         return tuple(limits)
 
     def _explain_obstacle(self, item: SegmentedObject) -> str:
@@ -169,7 +169,7 @@ class ObjectBrush(QObject):
                 self._path = []
             if not self._path or not (item or self.adds):
                 return
-            self._before, self._boundary = item, item.boundary if item else ()
+            self._before, self._boundary = item, item.region.boundary if item else ()
             self._number = item.number if item else self._list.objects.next_number
             self._limits = tuple(each for each in self._limits if each.number != self._number)
         self._session.edit(tr("paint object"), self._make_edit(image, stretch), self._gesture)
@@ -189,7 +189,7 @@ class ObjectBrush(QObject):
         radius = self._stroke_radius
         low, high = np.min(stretch, axis=0) - radius, np.max(stretch, axis=0) + radius
         near = (item for item in self._limits if (item.box[0] <= high).all() and (item.box[1] >= low).all())
-        limits = [item.boundary for item in near]
+        limits = [item.region.boundary for item in near]
         self._boundary = paint_boundary(self._boundary, stretch, radius, self.adds, image.shape, limits)
         return partial(
             apply_brush,

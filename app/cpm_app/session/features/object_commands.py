@@ -19,6 +19,7 @@ from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_rows import DRAFT_KEY, ItemKey, ObjectRow
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EDITING_CATEGORY
+from cpm_core.image.region import Region
 from cpm_core.numerics import Place
 from cpm_core.objects.segmented import (
     Halves,
@@ -27,7 +28,6 @@ from cpm_core.objects.segmented import (
     split_painted_object,
     unite_objects,
 )
-from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.shapes import relative_sides
 
 Made = TypeVar("Made")
@@ -189,7 +189,7 @@ class ObjectCommands(QObject):
         (item,), axis = items, slices.axis
         name = self._list.title_of(item)
 
-        def add_part(found: tuple[Part, int]) -> None:
+        def add_part(found: tuple[Region, int]) -> None:
             part, count = found
             if not count:
                 self._session.messages.show(tr("{name} has no gap between the slices across this axis.", name=name))
@@ -198,7 +198,7 @@ class ObjectCommands(QObject):
             self._session.edit(words, partial(paint_volume_object, number=item.number, part=part))
             self._session.messages.show(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
 
-        self._change_in_background(items, lambda: fill_between_slices(item.surface[0], axis, image.spacing), add_part)
+        self._change_in_background(items, lambda: fill_between_slices(item.region, axis, image.spacing), add_part)
 
     def split_object_in_volume(self, whole: SegmentedObject, first: Place, second: Place) -> None:
         """Split an object of a volume between two places, on another thread; discarded if it has changed meanwhile."""

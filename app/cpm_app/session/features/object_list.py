@@ -9,7 +9,6 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.document import objects
-from cpm_app.model.volume.surface_section import object_contains, object_size
 from cpm_app.session.features.background import IdentityCache, is_same_input
 from cpm_app.session.features.contour_selection import CONTOUR_PREFERENCE, ContourSelection
 from cpm_app.session.features.object_measures import ObjectMeasurer
@@ -105,11 +104,11 @@ class ObjectList(QObject):
     def object_number_at(self, at: Place) -> int:
         """Return the number of the smallest shown object at a place (row, col) or (plane, row, col), 0 for none."""
         if len(at) == 3:
-            around = [item for item in self.objects.items if not item.hidden and object_contains(item, at)]
+            around = [item for item in self.objects.items if not item.hidden and item.region.contains(at)]
         else:
             place = np.array([at], float)
-            around = [item for item in self.objects_near(place, 0.0) if item.encloses(place)[0]]
-        return min(around, key=object_size).number if around else 0
+            around = [item for item in self.objects_near(place, 0.0) if item.region.contains(at)]
+        return min(around, key=lambda item: item.region.size).number if around else 0
 
     def objects_near(self, places: Array, distance: float) -> list[SegmentedObject]:
         """Find the shown objects whose bounding boxes are within `distance` of places, shape (N, 2) [px]."""
@@ -122,7 +121,7 @@ class ObjectList(QObject):
         """
         rows = {id(row.item): row for row in self.rows}
         if len(place) == 3:
-            around = [row.item for row in self.rows if not row.item.hidden and object_contains(row.item, place)]
+            around = [row.item for row in self.rows if not row.item.hidden and row.item.region.contains(place)]
         else:
             at = np.array([place], float)
             near = _items_near([row.item for row in self.rows], at, distance)
@@ -136,8 +135,8 @@ class ObjectList(QObject):
                 found.append((polyline.distance_to_path(path, place), ("contour", index)))
             if found:
                 return min(found)[1]
-            around = [item for item in near if item.encloses(at)[0]]
-        return rows[id(min(around, key=object_size))].key if around else None
+            around = [item for item in near if item.region.contains(place)]
+        return rows[id(min(around, key=lambda item: item.region.size))].key if around else None
 
     def items_inside(self, outline: Sequence[Position]) -> frozenset[ItemKey]:
         """Find what lies at least half inside a closed outline of (row, col); contours only if nothing else does."""

@@ -66,7 +66,7 @@ class ObjectMeasurer(QObject):
 
     def figures_of(self, item: SegmentedObject) -> ObjectFigures | None:
         """Return the figures of an object; None while unknown for its boundary in the present image."""
-        image, _, figures = self.figures.get(id(_surface_or_boundary(item)), (None, None, None))
+        image, _, figures = self.figures.get(id(_region_or_line(item)), (None, None, None))
         return figures if image is self._session.image else None
 
     def measure_objects(self, items: Collection[SegmentedObject]) -> None:
@@ -75,12 +75,12 @@ class ObjectMeasurer(QObject):
         missing = [item for item in items if self.figures_of(item) is None]
         if image is None or not missing:
             return
-        there = {id(_surface_or_boundary(item)) for item in items}
+        there = {id(_region_or_line(item)) for item in items}
 
         def keep_figures(measured: list[tuple[SegmentedObject, ObjectFigures]]) -> None:
             self.figures = {key: kept for key, kept in self.figures.items() if key in there}
             for item, figures in measured:
-                self.figures[id(_surface_or_boundary(item))] = image, _surface_or_boundary(item), figures
+                self.figures[id(_region_or_line(item))] = image, _region_or_line(item), figures
             bodies = {item.number: figures.body for item, figures in measured if figures.body is not None}
             self.bodies = {**self.bodies, **bodies}
             self.measured.emit()
@@ -96,8 +96,8 @@ class ObjectMeasurer(QObject):
         self.figures, self.bodies = {}, {}
 
 
-def _surface_or_boundary(item: SegmentedObject) -> object:
-    return item.surface or item.boundary or item.line
+def _region_or_line(item: SegmentedObject) -> object:
+    return item.line or item.region
 
 
 def gray_histogram(values: Array, image: Image) -> tuple[int, ...]:
@@ -107,14 +107,13 @@ def gray_histogram(values: Array, image: Image) -> tuple[int, ...]:
 
 
 def _measure_object(item: SegmentedObject, image: Image) -> ObjectFigures:
-    values = image.values[item.mask(image.shape)]
+    values = image.values[item.region.paste(image.shape)]
     gray, counts = float(values.mean()) if len(values) else float("nan"), gray_histogram(values, image)
-    body = item.unpacked_surface
-    if body is None:
+    if image.ndim == 2:
         return ObjectFigures(gray, counts)
-    for packed in item.surface:
-        # computed here and cached, because limits and painting need it on the window's thread, which must not wait
-        _ = packed.shell.mask, packed.as_packed_voxels
+    body = item.region.find_surface()
+    # cached here, because limits and painting need it on the window's thread, which must not wait
+    _ = item.region.shell
     surface = replace(body, spacing=image.spacing, unit=image.unit)
     volume = len(values) * math.prod(image.spacing)  # as in tables and masks
     return ObjectFigures(gray, counts, volume, surface.area, surface.components, surface.euler, body)

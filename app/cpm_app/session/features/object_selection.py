@@ -14,7 +14,6 @@ from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
-from cpm_app.model.document.objects import AnySelection
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
@@ -25,7 +24,6 @@ from cpm_app.session.features.selector import (
     PartitionUpdater,
     Selector,
     find_proposals,
-    measure_extent,
 )
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
@@ -42,9 +40,9 @@ _SAME_OBJECT_COVERAGE = 0.5
 """Share of an object covered by others from which it counts as one of them."""
 
 
-def format_confidence(selection: AnySelection) -> str:
+def format_confidence(selection: Selection) -> str:
     """Format the confidence of an object as text; empty in a volume, where it is unknown."""
-    return localize_number(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
+    return "" if math.isnan(selection.confidence) else localize_number(f"{100.0 * selection.confidence:.0f} %")
 
 
 @frozen
@@ -176,6 +174,11 @@ class ObjectSelection(QObject):
         return last.clicks == self._session.document.objects.clicks
 
     @property
+    def has_waiting_actions(self) -> bool:
+        """Whether an action waits for an answer, so that what it leads to can be named, merged or removed after it."""
+        return bool(self._waiting)
+
+    @property
     def offer_is_known(self) -> bool:
         """Whether all that the run offers is shown; true if it offers nothing."""
         newest, last = self._request, self._answered
@@ -186,11 +189,7 @@ class ObjectSelection(QObject):
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
         place = np.array([at], float)
         around = [each for each in self.proposals if each.key and each.selection.contains(place)[0]]
-        return (
-            min(around, key=lambda each: measure_extent(each.selection)).key
-            if around
-            else self._list.object_number_at(at)
-        )
+        return min(around, key=lambda each: each.selection.size).key if around else self._list.object_number_at(at)
 
     def set_in_use(self, in_use: bool) -> None:
         """Set whether the tool is in use, so that the partition is kept up to date."""
@@ -247,6 +246,7 @@ class ObjectSelection(QObject):
         if self._waiting or self._steps or (needs_answer and not self.answered):
             self._waiting.append(WaitingAction(action, click))
             self._show_awaited_clicks()
+            self.changed.emit()
         else:
             action()
 
@@ -272,7 +272,7 @@ class ObjectSelection(QObject):
             self._session.messages.show(tr("There is nothing to fit: select objects that are not frozen."))
             return
 
-        def select_again(task: BackgroundTask) -> list[tuple[AnySelection, Clicks, int]]:
+        def select_again(task: BackgroundTask) -> list[tuple[Selection, Clicks, int]]:
             found = []
             for done, item in enumerate(fitted):
                 task.advance(done / len(fitted))
@@ -282,7 +282,7 @@ class ObjectSelection(QObject):
                     found.append((selection, item.clicks, item.number))
             return found
 
-        def replace_boundaries(found: list[tuple[AnySelection, Clicks, int]]) -> None:
+        def replace_boundaries(found: list[tuple[Selection, Clicks, int]]) -> None:
             if partition.image is self._session.image:
                 self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, found))
 
@@ -301,9 +301,8 @@ class ObjectSelection(QObject):
 
         def find_new(task: BackgroundTask) -> list[Selection]:
             found = select_all(partition, [selection_from_object(example, partition.shape)])
-            alike = [each for each in found[1:] if isinstance(each, Selection)]
-            taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
-            new = [each for each in alike if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
+            taken = np.any([item.region.paste(partition.shape) for item in known.items], axis=0)
+            new = [each for each in found[1:] if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
             return new if known.may_overlap else [partition.remove_pixels(each, taken) for each in new]
 
         def add_found(found: list[Selection]) -> None:
@@ -555,7 +554,7 @@ def describe_no_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]
     if not before or not after or after[0].key or len(after[0].clicks) != len(before[0].clicks) + 1:
         return ""
     one, other = before[0].selection, after[0].selection
-    if not before[0].clicks or type(one) is not type(other) or not one.has_same_region(other):  # type: ignore[arg-type]
+    if not before[0].clicks or not one.has_same_region(other):
         return ""
     if after[0].clicks[-1].inside:
         return tr("This click changes nothing: the position is already in the object.")

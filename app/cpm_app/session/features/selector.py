@@ -14,7 +14,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.modes import MODES
-from cpm_app.model.document.objects import AnySelection, initial_clicks
+from cpm_app.model.document.objects import initial_clicks
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.scene import Proposal
@@ -28,7 +28,6 @@ from cpm_core import (
     Result,
     Selection,
     VolumePartition,
-    VolumeSelection,
     partition,
     segment,
     uniform_grid,
@@ -37,7 +36,7 @@ from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Extent, JsonDict, Mask, frozen
-from cpm_core.objects import compute_iou, partition_without_run
+from cpm_core.objects import partition_without_run
 from cpm_core.objects.segmented import Click, SegmentedObject, collect_points, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.results import find_objects
@@ -267,12 +266,12 @@ class Selector:
         """All that it depends on besides the object being changed."""
         self.items, self._offered, self._rejected = items, found, rejected
         self._limits = [item for item in items if item.number != edited and (item.frozen or not overlaps)]
-        self._known: dict[Clicks, AnySelection | None] = {}
-        self._stepped: tuple[Clicks, tuple[Sequence[AnySelection], int]] | None = None
+        self._known: dict[Clicks, Selection | None] = {}
+        self._stepped: tuple[Clicks, tuple[Sequence[Selection], int]] | None = None
         """The clicks whose candidates were requested last, and the candidates, which take long in a volume."""
         self._changed = next((item for item in items if item.number == edited), None)
 
-    def selection_for(self, clicks: Clicks) -> AnySelection | None:
+    def selection_for(self, clicks: Clicks) -> Selection | None:
         """Return the object that clicks select; None if none of them is positive."""
         selection = self._known.pop(clicks) if clicks in self._known else self._compute_selection(clicks)
         if len(self._known) == _MAX_KEPT_SELECTIONS:
@@ -280,28 +279,24 @@ class Selector:
         self._known[clicks] = selection
         return selection
 
-    def _compute_selection(self, clicks: Clicks) -> AnySelection | None:
+    def _compute_selection(self, clicks: Clicks) -> Selection | None:
         inside = collect_points(clicks, inside=True)
         if not len(inside):
             return None
         item, made = self._changed, self._found_by_clicks.get(clicks)
         if made is None and item is not None and clicks == initial_clicks(item, self.partition.shape):
-            if isinstance(self.partition, VolumePartition):
-                made = self.partition.build_selection(item.surface[0], item.inside, item.outside)
-            else:
-                made = selection_from_object(item, self.partition.shape)
+            made = replace(selection_from_object(item, self.partition.shape), image=self.partition.image)
+            if isinstance(self.partition, Partition):  # to be compared with what further clicks give
+                made = replace(made, region=item.region.clipped(self.partition.shape))
         elif made is None and clicks[-1].step:
             found, default = self._find_candidates(clicks)
             made = found[min(max(default + clicks[-1].step, 0), len(found) - 1)]
         elif made is None:
             made = self.partition.select(inside, **self._other_arguments(clicks))
-        if isinstance(made, VolumeSelection):
-            known = (
-                one for one in self._known.values() if isinstance(one, VolumeSelection) and one.has_same_region(made)
-            )
+        if isinstance(self.partition, VolumePartition):
+            known = (one for one in self._known.values() if one is not None and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
-            if made.has_boundary:
-                _ = made.packed_body, made.contains(inside)  # cached on this thread, not on the window's
+            _ = made.surface, made.contains(inside)  # cached on this thread, not on the window's
         return made
 
     def is_quick(self, clicks: Clicks) -> bool:
@@ -314,8 +309,6 @@ class Selector:
     def _other_arguments(self, clicks: Clicks) -> JsonDict:
         """Return the arguments of a selection other than the positive points."""
         outside, previous = collect_points(clicks, inside=False), self.selection_for(clicks[:-1])
-        if isinstance(self.partition, VolumePartition):
-            return {"outside": outside, "previous": previous}
         return {"outside": outside, "previous": previous, "excluded": self._find_excluded(clicks)}
 
     def _find_excluded(self, clicks: Clicks) -> Mask | None:
@@ -325,7 +318,9 @@ class Selector:
         for what holds it.
         """
         within = [np.array(click.places) for click in clicks if click.inside]
-        apart = [item for item in self._limits if not any(item.encloses(places).mean() > 0.5 for places in within)]
+        apart = [
+            item for item in self._limits if not any(item.region.encloses(places).mean() > 0.5 for places in within)
+        ]
         if len(apart) < len(self._limits):
             return _unite_masks(apart, self.partition.shape)
         return self._taken if apart else None
@@ -341,25 +336,22 @@ class Selector:
         return tuple(each for each in limited if each.selection.has_boundary)
 
     @cached_property
-    def _found_by_clicks(self) -> dict[Clicks, AnySelection]:
+    def _found_by_clicks(self) -> dict[Clicks, Selection]:
         return {each.clicks: each.selection for each in self._found}
 
     def _limit_proposal(self, proposal: Proposal) -> Proposal:
         """Leave the pixels of existing objects out of a proposal."""
-        partition, selection = self.partition, proposal.selection
-        if not (self._limits and isinstance(partition, Partition) and isinstance(selection, Selection)):
-            return proposal
         excluded = self._find_excluded(proposal.clicks)
-        if excluded is None or not (selection.mask & excluded).any():
+        if excluded is None:
             return proposal
-        return replace(proposal, selection=partition.remove_pixels(selection, excluded))
+        return replace(proposal, selection=self.partition.remove_pixels(proposal.selection, excluded))
 
-    def _find_candidates(self, clicks: Clicks) -> tuple[Sequence[AnySelection], int]:
+    def _find_candidates(self, clicks: Clicks) -> tuple[Sequence[Selection], int]:
         """Find the candidates for clicks, from small to large, and the index of the one selected without a step."""
         clicks = (*clicks[:-1], replace(clicks[-1], step=0))
         if self._stepped is None or self._stepped[0] != clicks:
             found = self.partition.find_candidates(collect_points(clicks, inside=True), **self._other_arguments(clicks))
-            alike = [_measure_similarity(each, cast("AnySelection", self.selection_for(clicks))) for each in found]
+            alike = [_measure_similarity(each, cast("Selection", self.selection_for(clicks))) for each in found]
             self._stepped = clicks, (found, int(np.argmax(alike)))
         return self._stepped[1]
 
@@ -408,8 +400,8 @@ def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject])
     """Return the proposals at least half of which is not covered by objects, not counting much larger ones."""
     left = []
     for each in found:
-        places, most = _sample_pixels(cast("Selection", each.selection)), _MUCH_LARGER * measure_extent(each.selection)
-        within = [item.encloses(places) for item in items if item.area < most]
+        places, most = _sample_pixels(each.selection), _MUCH_LARGER * each.selection.size
+        within = [item.region.encloses(places) for item in items if item.region.size < most]
         if not within or np.any(within, axis=0).mean() < 0.5:
             left.append(each)
     return left
@@ -419,31 +411,18 @@ def _unite_masks(items: Iterable[SegmentedObject], shape: Extent) -> Mask:
     """Unite the pixels of objects of an image of this shape."""
     united = np.zeros(shape, bool)
     for item in items:
-        item.fill_into(united)
+        item.region.fill_into(united)
     return united
-
-
-def _bounding_slices(selection: Selection) -> tuple[slice, ...]:
-    """Return the slices of rows and columns that contain an object."""
-    low, high = (np.array([contour.box[end] for contour in selection.contours]) for end in (0, 1))
-    first = np.maximum(np.floor(low.min(axis=0)), 0).astype(int).tolist()
-    return tuple(map(slice, first, np.ceil(high.max(axis=0) + 1).astype(int).tolist()))
 
 
 def _sample_pixels(selection: Selection) -> Array:
     """Sample pixels of an object, spread over all of it, shape (N, 2) [px]."""
-    box = _bounding_slices(selection)
-    pixels = np.argwhere(selection.mask[box]) + [part.start for part in box]
+    pixels = np.argwhere(selection.region.mask) + selection.region.origin
     return np.asarray(pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)], float)
 
 
-def measure_extent(selection: AnySelection) -> float:
-    """Measure the volume of a selection; in an image its area [px²]."""
-    return selection.volume if isinstance(selection, VolumeSelection) else float(np.count_nonzero(selection.mask))
-
-
-def _measure_similarity(one: AnySelection, other: AnySelection) -> float:
+def _measure_similarity(one: Selection, other: Selection) -> float:
     """Measure the similarity of two selections: their overlap, or in a volume the negative difference of volumes."""
-    if isinstance(one, Selection) and isinstance(other, Selection):
-        return compute_iou(one.mask, other.mask)
-    return -abs(measure_extent(one) - measure_extent(other))
+    if len(one.shape) == 2:
+        return one.region.compute_iou(other.region)
+    return -abs(one.size - other.size)

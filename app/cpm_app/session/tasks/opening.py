@@ -196,7 +196,7 @@ def _read_alike(path: Path, reading: Reading) -> Reading:
 def _check_session_axes(saved: SavedSession, image: Image) -> None:
     """Raise ValueError if the content of a session is for a volume and its file is an image, or vice versa."""
     check_axes(saved.file.shapes, image.shape, image.source)
-    if any(bool(item.surface) is not (image.ndim == 3) for item in saved.file.objects.items):
+    if any(item.region.ndim != image.ndim for item in saved.file.objects.items):
         text = tr("{name} contains objects of a volume, but {image} is an image: put the volume back in its place.")
         if image.ndim == 3:
             text = tr("{name} contains objects of an image, but {image} is a volume: put the image back in its place.")

@@ -422,5 +422,5 @@ def _beginning_key(document: Document) -> tuple[object, ...]:
         document.shapes,
         document.parameters,
         document.objects.barriers,
-        (document.outlines, document.outlined_surfaces) if document.mode == "skeleton" else (),
+        (document.outlines, document.outlined_bodies) if document.mode == "skeleton" else (),
     )

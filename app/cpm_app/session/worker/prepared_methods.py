@@ -62,7 +62,7 @@ class PreparedMethods:
         if image is self._image:
             self.keep_method(method)
         if isinstance(method, SkeletonMethod) and image.ndim == 3:
-            return method.for_objects(document.outlined_surfaces)
+            return method.for_objects(document.outlined_bodies)
         if isinstance(method, SkeletonMethod) and document.outlines:
             return method.for_objects([Contour(np.array(line), closed=True) for line in document.outlines])
         return method

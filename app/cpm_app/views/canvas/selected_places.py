@@ -25,7 +25,7 @@ def selected_places(workspace: Workspace) -> list[Array]:
     items = [row.item for row in workspace.object_list.selected_rows]
     found = [contour.points for contour in workspace.contour_selection.selected_contours]
     found += [path for item in items for path in item.paths]
-    found += [packed.box for item in items for packed in item.surface]
+    found += [np.array(item.region.bounds) for item in items if item.region.ndim == 3]
     if not found and session.selected_shape is not None:
         shape = session.document.shapes[session.selected_shape]
         volume = session.image if session.scene.slices is not None else None

@@ -221,8 +221,7 @@ class ExportDialog(QDialog):
         """Name the classes, remember the settings and request the export, after a question about existing files."""
         order, written_before = self.export_order, self._exportable.written_paths
         asked = [file.path.name for file in order.files if file.path.exists() and file.path not in written_before]
-        more = tr("{name} and {count} more").format(name=asked[0], count=len(asked) - 1) if len(asked) > 1 else ""
-        if not order.files or (asked and not ask_to_replace(self, more or asked[0])):
+        if not order.files or (asked and not ask_to_replace(self, asked[0], len(asked) - 1)):
             return
         named = {number: field.text() for number, field in self.classes.items() if field.text()}
         self._session.edit(tr("name classes"), partial(_name_classes, names=named))

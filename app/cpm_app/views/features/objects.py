@@ -29,6 +29,7 @@ from cpm_app.views.window.keyboard import KeyFilter
 from cpm_app.views.window.window import Feature
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.polyline import as_line
+from cpm_core.numerics.types import Callback
 
 
 class ObjectsFeature(Feature):
@@ -53,11 +54,17 @@ class ObjectsFeature(Feature):
             changed.connect(lambda *_: window.refresh_actions())
         selection.changed.connect(window.refresh_actions)
 
+        def in_order(action: Callback) -> Callback:
+            return partial(selection.do_in_order, action)
+
         def has_rows(_: Situation) -> bool:
-            return bool(objects.selected_rows)
+            return bool(objects.selected_rows) or selection.has_waiting_actions
 
         def has_objects(_: Situation) -> bool:
-            return bool(objects.selected_numbers)
+            return bool(objects.selected_numbers) or selection.has_waiting_actions
+
+        def has_several(_: Situation) -> bool:
+            return sum(not row.item.line for row in objects.selected_rows) > 1 or selection.has_waiting_actions
 
         def has_one_with_area(_: Situation) -> bool:
             return len(objects.selected_objects) == 1 and not objects.selected_objects[0].line
@@ -74,20 +81,19 @@ class ObjectsFeature(Feature):
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals, or the selected contours, as objects; Enter does the same.",
-                       partial(selection.do_in_order, commands.accept_pending), shown_key="Enter",
+                       in_order(commands.accept_pending), shown_key="Enter",
                        when=lambda _: bool(selection.proposals) or commands.can_accept),
             ActionSpec("reject", "Objects", "&Reject",
                        "Dismiss proposals and remove objects; none is proposed again.",
-                       partial(selection.do_in_order, commands.reject_selected), "X",
+                       in_order(commands.reject_selected), "X",
                        when=lambda _: bool(objects.selected_rows or selection.proposals or selection.selecting)),
             ActionSpec("name_object", "Objects", "&Name…", "Name the selected object.",
-                       self.ask_for_name, "F2", gap=True, when=has_rows),
+                       in_order(self.ask_for_name), "F2", gap=True, when=has_rows),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
             ActionSpec("object_color", "Objects", "C&olor…", "Give objects a color of their own.",
                        ask_color, when=has_objects),
             ActionSpec("merge_objects", "Objects", "&Merge", "Merge the selected objects into one.",
-                       commands.merge_selected, "M", gap=True,
-                       when=lambda _: sum(not row.item.line for row in objects.selected_rows) > 1),
+                       in_order(commands.merge_selected), "M", gap=True, when=has_several),
             ActionSpec("fill_between", "Objects", "Fill &between slices",
                        "Fill the slices between those in which the selected object has been painted.",
                        commands.fill_between_slices, "Shift+I", short=tr("Fill gaps"), visible_when=has_volume,
@@ -108,10 +114,10 @@ class ObjectsFeature(Feature):
                        when=lambda _: any(item.clicks for item in objects.selected_objects)),
             ActionSpec("freeze_object", "Objects", "&Freeze",
                        "Keep the objects as they are, and keep particles from crossing their boundaries.",
-                       partial(commands.toggle_state, "frozen"), gap=True, when=has_objects,
+                       in_order(partial(commands.toggle_state, "frozen")), gap=True, when=has_objects,
                        text_for=lambda _: tr("Unfreeze") if all_are("frozen") else tr("&Freeze")),
             ActionSpec("hide_object", "Objects", "&Hide", "Hide the objects, or show them again.",
-                       partial(commands.toggle_state, "hidden"), when=has_objects,
+                       in_order(partial(commands.toggle_state, "hidden")), when=has_objects,
                        text_for=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
             Submenu("use_as", "Objects", "&Use as", self._fill_uses),
             ActionSpec("skeleton", "Objects", "Ske&leton",
@@ -120,16 +126,15 @@ class ObjectsFeature(Feature):
                        self._find_skeleton, icon="mode_skeleton",
                        when=lambda now: bool(objects.selected_numbers) or has_contours(now)),
             ActionSpec("delete_object", "Objects", "&Delete", "Remove the selection; the key Delete does the same.",
-                       commands.delete_selected, gap=True, when=has_rows),
+                       in_order(commands.delete_selected), gap=True, when=has_rows),
             ActionSpec("all_objects", "Objects", "Select &all", "Select all objects and proposals in the table.",
-                       lambda: objects.select_items(self._list_shown_keys()), "Ctrl+A", gap=True, when=has_image),
+                       in_order(self._select_all), "Ctrl+A", gap=True, when=has_image),
             ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection",
                        "Select everything that is not selected.",
-                       lambda: objects.select_items(self._list_shown_keys() - objects.selected_keys), "Ctrl+I",
-                       when=has_image),
+                       in_order(self._invert_selection), "Ctrl+I", when=has_image),
             ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
                        "Select one row of the table after the other.",
-                       self.select_next, "Shift+N", when=has_image),
+                       in_order(self.select_next), "Shift+N", when=has_image),
             ActionSpec("objects_overlap", "Objects", "Objects may o&verlap",
                        "Let clicks, proposals and the brush run over accepted objects that are not frozen; in a "
                        "volume, the brush takes voxels from them.",
@@ -137,7 +142,7 @@ class ObjectsFeature(Feature):
             ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
                        "Find center lines in the image again, not only in objects or closed contours.",
                        lambda: self._run_skeleton(tr("skeleton of the image"), SkeletonTarget()),
-                       when=lambda now: bool(now.document.outlines or now.document.outlined_surfaces)),
+                       when=lambda now: bool(now.document.outlines or now.document.outlined_bodies)),
         )  # fmt: skip
 
     def select_next(self) -> None:
@@ -148,9 +153,14 @@ class ObjectsFeature(Feature):
             self._object_list.select_items((keys[(at + 1) % len(keys)],))
 
     def ask_for_name(self) -> None:
-        """Ask for the name of the selected row."""
+        """Ask for the name of the selected row; the keyboard then goes back to the canvas, if it came from there."""
+        canvas, table = self.window.canvas_area.canvas, self.panel.table
+        came_from_canvas = canvas.hasFocus()
         self.window.docks.reveal_panel("objects")
-        self.panel.table.edit_selected_name()
+        table.edit_selected_name()
+        if came_from_canvas:
+            once = Qt.ConnectionType.SingleShotConnection.value | Qt.ConnectionType.QueuedConnection.value
+            table.itemDelegate().closeEditor.connect(canvas.setFocus, Qt.ConnectionType(once))
 
     def handle_key(self, event: QKeyEvent) -> bool:
         """Handle the keys that act on the selection on the canvas; return whether the key was one of them."""
@@ -160,11 +170,23 @@ class ObjectsFeature(Feature):
         key, selecting = event.key(), tool.panel == "objects"
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._object_list.objects.classes):
             self._selection.do_in_order(partial(self._commands.classify_selected, key - Qt.Key.Key_0))
+        elif selecting and key in DELETE_KEYS and self._selection.has_waiting_actions:
+            self._selection.do_in_order(partial(self._delete_after_waiting, is_back=key == Qt.Key.Key_Backspace))
         elif selecting and key in DELETE_KEYS and self._object_list.selected_rows and not tool.has_draft:
             self._commands.delete_selected()
         else:
             return False
         return True
+
+    def _select_all(self) -> None:
+        self._object_list.select_items(self._list_shown_keys())
+
+    def _invert_selection(self) -> None:
+        self._object_list.select_items(self._list_shown_keys() - self._object_list.selected_keys)
+
+    def _delete_after_waiting(self, is_back: bool) -> None:
+        """Delete what is selected once all that waited has been done; with `is_back` the last click, if any is left."""
+        (self._selection.undo_click if is_back and self._selection.selecting else self._commands.delete_selected)()
 
     def _list_shown_keys(self) -> frozenset[ItemKey]:
         """Return the keys of the rows in the table."""

@@ -192,7 +192,7 @@ class PagesFeature(Feature):
         window.canvas_area.controls.addWidget(self.bar)
         pages.set_session_file(window.document_file)
         pages.changed.connect(self._on_pages_changed)
-        window.session.tasks.changed.connect(self._on_pages_changed)
+        window.session.tasks.changed.connect(window.refresh_actions)
         pages.results_changed.connect(window.refresh_actions)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)

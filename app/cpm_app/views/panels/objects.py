@@ -94,7 +94,7 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
                "00,000", 3)
         if solid else
         Column("area", tr("Area"), tr("Area without holes."),
-               lambda row: None if row.item.line else row.item.area * pixel, "00,000", 2),
+               lambda row: None if row.item.line else row.item.region.size * pixel, "00,000", 2),
         Column("confidence", tr("%"), CONFIDENCE_TIP,
                lambda row: row.item.confidence * 100 or None,
                "00 %", number_format=".0f", suffix=" %"),

@@ -27,8 +27,8 @@ from cpm_core.shapes import (
     BoxThreshold,
     Grid,
     Polygon,
+    PolygonRegion,
     PrismRegion,
-    Region,
     Shape,
     Stroke,
     Threshold,
@@ -48,7 +48,7 @@ class PathTool(Tool):
 
     works_by_clicks = True
     keyboard_tip = tr("Enter places a corner; Enter once more on the same place ends it.")
-    shape_class: type[Stroke | Polygon | Grid | Threshold | Region | Barrier]
+    shape_class: type[Stroke | Polygon | Grid | Threshold | PolygonRegion | Barrier]
     """Class of the shape in an image."""
     color = theme.DRAWING_COLOR
     closed = True
@@ -230,7 +230,7 @@ class RegionTool(PathTool):
     menu_text = tr("Region of &interest")
     shortcut = "I"
     tip = tr("Drag a rectangle, or click corner by corner, around the region that particles must stay in.")
-    shape_class = Region
+    shape_class = PolygonRegion
     is_area = True
     color = theme.REGION_COLOR
 

@@ -155,7 +155,9 @@ class SelectTool(ShapeTool):
         """Select the item at a place, unless it is selected already; return whether there is one."""
         found, key = self._find_item(at)
         self._session.select_shape(None if found is None else found.index)
-        if key is not None and key not in self._list.selected_keys:
+        if found is not None:
+            self._list.select_items(())
+        elif key is not None and key not in self._list.selected_keys:
             self._list.select_items((key,))
         return found is not None or key is not None
 

@@ -12,7 +12,6 @@ from PySide6.QtGui import QCursor
 
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr, translate_core_text
-from cpm_app.model.volume.surface_section import object_contains
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_pointer
 from cpm_app.views.tools.tool import Cursor, Tool
@@ -69,11 +68,9 @@ class SplitTool(Tool):
         return self.is_dragged and self.volume is None
 
     def on_release(self) -> None:
-        """Split along the line, or use the click."""
-        if self._draws_line:
-            self._split_along(self.stroke)
-        else:
-            self._on_click(self.stroke[0])
+        """Split along the line, or use the click, after all that was done before."""
+        split = partial(self._split_along, self.stroke) if self._draws_line else partial(self._on_click, self.stroke[0])
+        self._workspace.object_selection.do_in_order(split)
 
     def on_hover(self, at: Place) -> None:
         """Schedule the preview of a split here, for when the pointer rests."""
@@ -101,7 +98,7 @@ class SplitTool(Tool):
 
     def _on_click(self, at: Place) -> None:
         first, whole = self._clicked_object, self._find_object(at)
-        if first is not None and object_contains(first, at):
+        if first is not None and first.region.contains(at):
             self._apply_split(first, partial(split_object, first, self._first, at, self._editing.edges), at)
         elif whole is not None:
             self._clicked_object, self._first = whole, at
@@ -124,7 +121,7 @@ class SplitTool(Tool):
             self.show_message(tr("{name} is frozen: unfreeze it to split it.", name=self._list.title_of(whole)))
             return
         try:
-            if whole.surface:
+            if whole.region.ndim == 3:
                 self._commands.split_object_in_volume(whole, self._first, at)
             else:
                 self._commands.split_object(whole, halves())
@@ -136,7 +133,7 @@ class SplitTool(Tool):
         under = ("object", self._list.object_number_at(at))
         key = under if under[1] else self._list.item_at(at, 0.0)
         rows = (*self._list.selected_rows, *(row for row in self._list.rows if row.key == key))
-        return next((row.item for row in rows if not row.item.hidden and object_contains(row.item, at)), None)
+        return next((row.item for row in rows if not row.item.hidden and row.item.region.contains(at)), None)
 
     def draw_marks(self) -> None:
         """Draw the line, or the clicked half and the cut that a click here would make."""
@@ -146,7 +143,7 @@ class SplitTool(Tool):
     def _preview_cut(self) -> None:
         """Find the cut that a click at the pointer would make."""
         whole, at, self._cut = self._clicked_object, self.pointer, ()
-        if not (self.volume or whole is None or at is None) and object_contains(whole, at):
+        if not (self.volume or whole is None or at is None) and whole.region.contains(at):
             with suppress(ValueError):
                 cuts = split_object(whole, self._first, at, self._editing.edges).cuts
                 self._cut = max(cuts, key=len, default=())

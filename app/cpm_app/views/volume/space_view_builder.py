@@ -23,8 +23,7 @@ from cpm_app.views.layers.particles import build_quantity_palette
 from cpm_app.views.layers.skeleton import split_skeleton_by_thickness
 from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, get_canvas_style
-from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
-from cpm_core.contours import PackedVoxels
+from cpm_core import Image, Skeleton, Surface, Truth, VolumeTruth
 from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape, relative_sides
@@ -99,16 +98,10 @@ def _build_object_meshes(
     """Build the meshes of the objects, except hidden and edited ones, and of the proposals."""
     if objects is None:
         return ()
-    seen = [item for item in objects.items if not item.hidden and item.number != objects.edited and item.surface]
-    shown = [
-        (
-            bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.unpacked_surface,
-            objects.color_of(item),
-        )
-        for item in seen
-    ]
-    found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection)]
-    shown += [(selection.surface, theme.PROPOSAL_COLOR) for selection in found if selection.has_boundary]
+    seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
+    shown = [(item.region.surface or bodies.get(item.number), objects.color_of(item)) for item in seen]
+    found = [each.selection.surface for each in offered]
+    shown += [(surface, theme.PROPOSAL_COLOR) for surface in found if surface is not None]
     return tuple(_color_surface(body, spacing, color) for body, color in shown if body is not None)
 
 

@@ -88,10 +88,13 @@ def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Unsave
     return cast("UnsavedAnswer", question.wait_for_answer())
 
 
-def ask_to_replace(parent: QWidget, name: str) -> bool:
-    """Ask whether the file of this name may be replaced."""
-    answers = {"replace": tr("&Replace"), "keep": tr("&Keep it")}
+def ask_to_replace(parent: QWidget, name: str, others: int = 0) -> bool:
+    """Ask whether the file of this name, and so many others, may be replaced."""
+    answers = {"replace": tr("&Replace"), "keep": tr("&Keep")}
     more, text = tr("A file with this name exists; its contents would be lost."), tr("Replace “{name}”?", name=name)
+    if others:
+        more = tr("These files exist; their contents would be lost.")
+        text = tr("Replace “{name}” and {count} more?", name=name, count=others)
     return QuestionDialog(parent, tr("Replace file"), text, more, answers, ("replace",)).wait_for_answer() == "replace"
 
 

@@ -91,7 +91,7 @@ def items(window) -> dict[int, object]:
 
 
 def is_disk(item, disk_of: tuple[float, float, float]) -> bool:
-    one, other = item.mask((64, 64)), disk(*disk_of)
+    one, other = item.region.paste((64, 64)), disk(*disk_of)
     return (one & other).sum() / (one | other).sum() > 0.85
 
 

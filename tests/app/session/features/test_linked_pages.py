@@ -6,16 +6,21 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 import tifffile
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.session.features import kept_pages
+from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.features.kept_pages import StackSource, link_pages
 
-from cpm_core import Contour
+from cpm_core import Contour, Result
 from cpm_core.formats import Reading
 
 
-def test_objects_are_measured_again_only_when_they_or_the_size_of_a_pixel_have_changed(tmp_path: Path) -> None:
+def test_objects_are_measured_again_only_when_they_or_the_size_of_a_pixel_have_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / "cells.tif"
     tifffile.imwrite(path, np.arange(2 * 40 * 40, dtype=np.uint16).reshape(2, 40, 40), metadata={"axes": "TYX"})
     source = StackSource(str(path), 2)
@@ -25,16 +30,25 @@ def test_objects_are_measured_again_only_when_they_or_the_size_of_a_pixel_have_c
         place = ImageReference.from_image(path, source.pages[number - 1], Reading(page=number))
         item = objects.object_from_contours(1, 1, [square])
         documents[number] = objects.accept_objects(Document(place), [item])
-    made = link_pages(source, {}, (), documents, {})
+    measured, measure, seen = IdentityCache(), kept_pages.build_objects_result, []
+
+    def counted(document: Document) -> Result | None:
+        seen.append(document)
+        return measure(document)
+
+    monkeypatch.setattr(kept_pages, "build_objects_result", counted)
+
+    def object_results(documents: dict[int, Document]) -> dict[int, Result]:
+        found = link_pages(source, {}, (), documents, measured).table[0]
+        return {page.number: page.result for page in found.pages}
+
+    object_results(documents)
+    assert len(seen) == 2
     changed = {
         1: documents[1],
         2: replace(documents[2], image=replace(documents[2].image, spacing=(0.5, 0.5), unit="µm")),
     }
-    again = link_pages(source, {}, (), changed, made.measured)
-    (_, one), (_, other) = again.measured[1], again.measured[2]
-    assert one is made.measured[1][1]
-    assert other is not made.measured[2][1]
-    assert other.spacing == (0.5, 0.5)
+    assert object_results(changed)[2].spacing == (0.5, 0.5)
+    assert seen[2:] == [changed[2]]
     more = objects.rename_objects(documents[1], [1], "cell")
-    third = link_pages(source, {}, (), {1: more}, again.measured)
-    assert third.measured[1][1].contours[0].name == "cell"
+    assert object_results({1: more})[1].contours[0].name == "cell"

@@ -17,12 +17,14 @@ from cpm_app.model.export import export_file_name, list_export_formats
 from cpm_app.views.export import dialog as export_dialog
 from cpm_app.views.export.dialog import ExportDialog
 from cpm_app.views.features.exchange import ExportFeature
+from cpm_app.views.window.dialogs import QuestionDialog
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 import cpm_core
 from cpm_core.formats import CONTOURS_WRITABLE
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
@@ -84,8 +86,8 @@ def ring(radius: float) -> tuple[tuple[float, float], ...]:
 @pytest.fixture
 def two(window: MainWindow) -> MainWindow:
     """A window with an object of a class without a name, which has a hole, and one of another class."""
-    first = SegmentedObject(number=7, clicks=(), boundary=(ring(20.0), ring(8.0)), name="cell", category=2)
-    other = SegmentedObject(number=9, clicks=(), boundary=(ring(4.0),))
+    first = SegmentedObject(number=7, clicks=(), region=Region((ring(20.0), ring(8.0))), name="cell", category=2)
+    other = SegmentedObject(number=9, clicks=(), region=Region((ring(4.0),)))
     session = window.session
     session.edit("take", lambda document: replace(document, objects=replace(document.objects, items=(first, other))))
     return window
@@ -158,7 +160,7 @@ def test_a_figure_shows_image_contours_and_a_scale_bar(found, hand, folder) -> N
 def test_files_are_replaced_only_where_the_user_agrees(two, hand, monkeypatch) -> None:
     image = Path(two.session.document.image.path)
     names, answers = [], [False, True]
-    monkeypatch.setattr(export_dialog, "ask_to_replace", lambda _, name: names.append(name) or answers.pop(0))
+    monkeypatch.setattr(export_dialog, "ask_to_replace", lambda _, name, others: names.append(name) or answers.pop(0))
     old = image.with_name(f"{image.stem}.json")
     old.write_text("old")
     dialog = asked(hand.qtbot, two)
@@ -170,6 +172,17 @@ def test_files_are_replaced_only_where_the_user_agrees(two, hand, monkeypatch) -
     hand.key(KEY.Key_E, CTRL | SHIFT)
     hand.wait(lambda: two.session.idle)
     assert len(names) == 2, "what the program has written is replaced without a question"
+
+
+def test_the_question_about_several_files_counts_them(two, hand, monkeypatch) -> None:
+    image, questions = Path(two.session.document.image.path), []
+    monkeypatch.setattr(QuestionDialog, "wait_for_answer", lambda question: questions.append(question.text()) or "keep")
+    dialog = asked(hand.qtbot, two)
+    check(hand.qtbot, dialog, "objects:.labelme.json", "objects:.png")
+    for ending in (".json", "_objects.png"):
+        image.with_name(image.stem + ending).write_text("old")
+        hand.qtbot.mouseClick(dialog.export_button, LEFT)
+    assert questions == [f"Replace “{image.stem}.json”?", f"Replace “{image.stem}.json” and 1 more?"]
 
 
 def test_every_format_is_offered() -> None:

@@ -14,6 +14,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolButton
 
 from cpm_core.formats import SKELETONS_WRITABLE, to_bytes
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle
@@ -184,7 +185,7 @@ def test_closed_contours_have_a_skeleton_of_their_own_until_the_image_is_asked_f
 def test_objects_have_a_skeleton_of_their_own_that_follows_them(window, hand) -> None:
     session = window.session
     boundary = ((20.0, 10.0), (20.0, 54.0), (30.0, 54.0), (30.0, 10.0))
-    item = SegmentedObject(1, (Click(((25.0, 30.0),)),), (boundary,))
+    item = SegmentedObject(1, (Click(((25.0, 30.0),)),), Region((boundary,)))
     with_it = SegmentedObjects((item,))
     session.edit("an object", lambda document: replace(document, objects=with_it))
     window.workspace.object_list.select_objects([1])

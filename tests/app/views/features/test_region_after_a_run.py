@@ -43,7 +43,7 @@ def shown(window):
     return (
         scene.snapshot.position.tobytes(),
         [contour.points.tobytes() for contour in scene.reconstruction.result.contours],
-        [each.proposed_object.boundary for each in scene.objects.proposals],
+        [each.proposed_object.region.boundary for each in scene.objects.proposals],
     )
 
 

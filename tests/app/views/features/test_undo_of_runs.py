@@ -27,7 +27,7 @@ def outcome(window):
         (timeline.branch, scene.snapshot.state.step),
         scene.snapshot.position.tobytes(),
         [contour.points.tobytes() for contour in result.contours],
-        [each.proposed_object.boundary for each in scene.objects.proposals],
+        [each.proposed_object.region.boundary for each in scene.objects.proposals],
     )
 
 

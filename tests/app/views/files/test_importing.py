@@ -64,8 +64,8 @@ def test_dropped_contours_are_objects_with_names_colors_and_holes(window, hand, 
         drop(window, file_of(tmp_path, replace(RING, group=1), HOLE, LINE, suffix=".json"))
         hand.wait(lambda: bool(window.session.document.objects.items))
     (item,) = window.session.document.objects.items
-    assert (item.name, item.color, len(item.boundary)) == ("cell", "#e69f00", 2)
-    assert item.area == 24.0 * 24.0 - 8.0 * 8.0
+    assert (item.name, item.color, len(item.region.boundary)) == ("cell", "#e69f00", 2)
+    assert item.region.size == 24.0 * 24.0 - 8.0 * 8.0
 
 
 def test_objects_of_labelme_keep_their_classes(window, hand, tmp_path) -> None:

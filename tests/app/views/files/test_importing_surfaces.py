@@ -15,8 +15,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFileDialog
 
 from cpm_core import Result, centerlines, export
-from cpm_core.contours.surface import surface_from_labels, voxelize_surface
+from cpm_core.contours.surface import surface_from_labels
 from cpm_core.formats import find_format_suffix
+from cpm_core.image.surface import voxelize_surface
 from cpm_core.shapes import Points, Stroke
 from tests.app.conftest import Hand
 from tests.app.exporting import asked, check, order
@@ -73,13 +74,13 @@ def test_a_dropped_surface_gives_an_object_for_each_body(volume, hand, tmp_path)
         drop(volume, tmp_path / "a.obj")
         hand.wait(lambda: bool(volume.session.document.objects.items))
     items = volume.session.document.objects.items
-    assert sorted(int(voxelize_surface(item.unpacked_surface, SHAPE).sum()) for item in items) == [
+    assert sorted(int(voxelize_surface(item.region.surface, SHAPE).sum()) for item in items) == [
         int(SMALL.sum()),
         int(INSIDE.sum()),
     ]
     for item in items:
         plane, row, col = map(int, item.inside[0])
-        assert voxelize_surface(item.unpacked_surface, SHAPE)[plane, row, col]
+        assert voxelize_surface(item.region.surface, SHAPE)[plane, row, col]
     volume.activateWindow()  # the question was the active one
     hand.wait(volume.isActiveWindow)
     hand.key(Qt.Key.Key_Z, CTRL)
@@ -130,7 +131,7 @@ def test_objects_that_are_exported_and_imported_are_the_same(volume, hand, tmp_p
     assert [(item.number, item.name) for item in after.items] == [(4, "Niere"), (9, "Zyste")]
     assert [item.color for item in after.items] == [after.classes[0].color, "#102030"]
     for one, other in zip(before, after.items, strict=True):
-        np.testing.assert_array_equal(one.mask(SHAPE), other.mask(SHAPE))
+        np.testing.assert_array_equal(one.region.paste(SHAPE), other.region.paste(SHAPE))
     with answering("Objects"):  # once more: numbers that are taken are not given twice
         volume.actions_by_name["import_contours"].trigger()
         hand.wait(lambda: len(session.document.objects.items) == 4)
@@ -175,5 +176,5 @@ def test_objects_in_a_series_are_offered_as_dicom_segments_and_come_back(window,
     with answering("Objects"):
         drop(window, path)
         hand.wait(lambda: len(window.session.document.objects.items) == 4)
-    masks = [item.mask(LABELS.shape) for item in window.session.document.objects.items]
+    masks = [item.region.paste(LABELS.shape) for item in window.session.document.objects.items]
     assert [(masks[0] == mask).all() + (masks[1] == mask).all() for mask in masks[2:]] == [1, 1]

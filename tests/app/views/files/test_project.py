@@ -17,6 +17,7 @@ from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 
 from cpm_core.formats import PROJECT_FOLDER, ProjectImage, Reading, load_project, load_session, project_session
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Circle
 from tests.app.conftest import disc
@@ -70,7 +71,7 @@ def press(window: MainWindow, hand, key, expected: str) -> None:
 
 def add_object(window: MainWindow, confidence: float = 0.5) -> None:
     number = window.session.document.objects.next_number
-    new = SegmentedObject(number, (), (SQUARE,), confidence=confidence)
+    new = SegmentedObject(number, (), Region((SQUARE,)), confidence=confidence)
     window.session.edit("add object", lambda document: objects.accept_objects(document, (new,)))
 
 
@@ -116,6 +117,15 @@ def test_the_key_pressed_again_takes_the_mark_away_and_stays(window, hand, folde
     wait_for(window, hand, "plate1.npy")
     press(window, hand, DONE, "plate1.npy")
     assert table(window)[0] == ("plate1.npy", "○ untouched", "0")
+
+
+def test_the_key_pressed_again_while_the_next_image_is_being_opened_changes_nothing(window, hand, folder) -> None:
+    np.save(folder / "plate2.npy", np.kron(disc(), np.ones((40, 40))))  # takes a while
+    open_project(window, hand, folder)
+    hand.key(*DONE)
+    hand.wait(lambda: window.session.opening_name)
+    press(window, hand, DONE, "plate2.npy")
+    assert [row[1] for row in table(window)[:2]] == ["● done", "○ untouched"]
 
 
 def test_a_click_on_a_row_opens_its_image(window, hand, folder) -> None:
@@ -223,6 +233,23 @@ def test_proposals_that_are_not_accepted_are_not_lost_without_a_sentence(window,
     hand.key(Qt.Key.Key_Return)
     press(window, hand, DONE, "plate2.npy")
     assert table(window)[0] == ("plate1.npy", "● done", "1")
+
+
+def test_an_image_is_not_done_by_a_key_pressed_before_its_proposals_are_there(window, hand, folder) -> None:
+    open_project(window, hand, folder)
+    window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
+    window.trigger_action("apply_to_all")
+    hand.key(*DONE)
+    hand.wait(lambda: name(window) == "plate2.npy")
+    hand.key(*DONE)
+    said = "Objects are still being found. Wait, or press the same key again to go on without them."
+    assert window.canvas_area.messages.text == said
+    assert [row[1] for row in table(window)[:2]] == ["● done", "○ untouched"]
+    hand.wait(lambda: window.session.scene.objects.proposals)
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Return)
+    press(window, hand, DONE, "plate3.npy")
+    assert table(window)[1] == ("plate2.npy", "● done", "1")
 
 
 def test_enter_in_the_list_of_images_accepts_what_is_proposed(window, hand, folder) -> None:

@@ -15,6 +15,7 @@ from PySide6.QtCore import QCoreApplication, QPoint, QRect, Qt
 from PySide6.QtWidgets import QLineEdit, QMenu
 
 from cpm_core.contours.contour import Contour
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.objects.selection import Selection
 from tests.app.conftest import show_contours
@@ -32,8 +33,8 @@ def square(row: float, col: float, side: float) -> tuple[tuple[float, float], ..
 
 OUTER, HOLE = square(9.5, 9.5, SIDE), square(19.5, 19.5, 10.0)
 GAP = ((9.5, 9.5), (9.5, 21.5))
-FRAME = SegmentedObject(1, (Click(((12.0, 12.0),)),), (OUTER, HOLE), (GAP,), 0.75, name="frame")
-DOT = SegmentedObject(2, (Click(((24.0, 24.0),)),), (square(21.5, 21.5, 4.0),), category=2)
+FRAME = SegmentedObject(1, (Click(((12.0, 12.0),)),), Region((OUTER, HOLE)), (GAP,), 0.75, name="frame")
+DOT = SegmentedObject(2, (Click(((24.0, 24.0),)),), Region((square(21.5, 21.5, 4.0),)), category=2)
 
 
 @pytest.fixture
@@ -51,7 +52,9 @@ def _offer(window, *corners: tuple[float, float, float]) -> None:
         mask = (row > top) & (row < top + side) & (col > left) & (col < left + side)
         line = Contour(np.array(square(top, left, side)), True, 5.0)
         place = np.array([[top + side / 2, left + side / 2]])
-        found.append(Proposal(Selection(mask, (line,), (), 0.9, place, np.empty((0, 2))), (), key=-key))
+        region = Region.from_mask(mask)
+        one = Selection(region, shape, place, np.empty((0, 2)), (line,), confidence=0.9)
+        found.append(Proposal(one, (), key=-key))
     scene = window.session.scene
     window.session.store.set_scene(replace(scene, objects=replace(scene.objects, proposals=tuple(found))))
 
@@ -184,7 +187,7 @@ def test_accepted_closed_contours_are_objects_with_those_directly_in_them_as_hol
     window.workspace.object_list.select_items([("contour", 0), ("contour", 1)])
     window.actions_by_name["accept"].trigger()
     (one,) = items(window)
-    assert one.area == pytest.approx(900.0 - 144.0)
+    assert one.region.size == pytest.approx(900.0 - 144.0)
     assert undo_name(window) == "accept contour"
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, CONTROL)
@@ -195,7 +198,7 @@ def test_an_open_contour_is_accepted_as_an_open_object_with_a_length_and_no_area
     window.workspace.object_list.select_items([("contour", 4)])
     window.actions_by_name["accept"].trigger()
     (one,) = items(window)
-    assert (one.area, one.mask(window.session.image.shape).any()) == (0.0, False)
+    assert (one.region.size, one.region.paste(window.session.image.shape).any()) == (0.0, False)
     assert column(drawn, "area")[0] == "–"
     assert column(drawn, "length")[0] == f"{45.0 + math.hypot(2.0, 8.0):.3g}"
     assert window.workspace.object_list.selected_numbers == {1}
@@ -234,7 +237,7 @@ def test_all_rows_are_accepted_in_one_step_and_contours_are_not_among_them(windo
     assert window.session.scene.selected_contours == frozenset()
     hand.canvas.setFocus()
     window.actions_by_name["accept"].trigger()
-    assert [len(item.boundary) for item in items(window)] == [1, 1, 1, 1]
+    assert [len(item.region.boundary) for item in items(window)] == [1, 1, 1, 1]
     assert undo_name(window) == "accept 4 objects"
     window.session.undo()
     assert items(window) == ()
@@ -323,7 +326,7 @@ def test_the_panel_measures_and_names_what_is_chosen(window, hand, panel, table)
     hand.wait(lambda: not panel.figures.isVisible())
     hand.qtbot.mouseClick(panel.buttons["merge_objects"], LEFT)
     (whole,) = items(window)
-    assert (whole.number, whole.area) == (1, pytest.approx(1516.0, rel=0.005))
+    assert (whole.number, whole.region.size) == (1, pytest.approx(1516.0, rel=0.005))
 
 
 def test_objects_are_hidden_and_frozen(window, hand, table) -> None:

@@ -14,7 +14,7 @@ from cpm_app.views.window import dialogs
 from PySide6.QtCore import QCoreApplication, Qt
 
 from cpm_core import Parameters
-from cpm_core.shapes import Circle, Everywhere, Polygon, Region
+from cpm_core.shapes import Circle, Everywhere, Polygon, PolygonRegion
 from tests.app.conftest import disc
 from tests.app.exporting import export
 
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.shared_window
 
 LEFT = Qt.MouseButton.LeftButton
 CIRCLE = Circle((30.0, 20.0), 5.0)
-REGION = Region(((1.0, 1.0), (60.0, 1.0), (60.0, 60.0), (1.0, 60.0)))
+REGION = PolygonRegion(((1.0, 1.0), (60.0, 1.0), (60.0, 60.0), (1.0, 60.0)))
 
 
 def shifted(by: int) -> np.ndarray:
@@ -121,7 +121,7 @@ def test_each_page_keeps_its_shapes_its_undo_and_its_run(stack, hand) -> None:
     session.redo()
     go(stack, hand, page=2)
     assert session.history.undo_name == "draw region"
-    assert isinstance(session.document.shapes[-1], Region)
+    assert isinstance(session.document.shapes[-1], PolygonRegion)
 
 
 def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) -> None:
@@ -168,7 +168,7 @@ def test_a_page_that_was_run_in_the_background_shows_its_contours_and_undo_leads
     go(stack, hand, page=2)
     before = session.document
     session.edit(
-        "draw region", lambda document: edits.add_shape(document, Region(((1, 1), (60, 1), (60, 60), (1, 60))))
+        "draw region", lambda document: edits.add_shape(document, PolygonRegion(((1, 1), (60, 1), (60, 60), (1, 60))))
     )
     go(stack, hand, Qt.Key.Key_PageUp, page=1)
     run_all(stack, hand)

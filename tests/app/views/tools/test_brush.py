@@ -59,9 +59,9 @@ def test_a_stroke_beside_all_objects_paints_a_new_one_as_wide_as_the_ring(window
     stroke(hand, (30, 20), (30, 30), (30, 40))
     (item,) = items(window)
     radius = brush.radius
-    assert item.area == pytest.approx(2 * radius * 20 + math.pi * radius**2, rel=0.02)
+    assert item.region.size == pytest.approx(2 * radius * 20 + math.pi * radius**2, rel=0.02)
     away = near(((30, 20), (30, 40)))
-    assert differ(item.mask((64, 64)), away <= radius, np.abs(away - radius)) == 0
+    assert differ(item.region.paste((64, 64)), away <= radius, np.abs(away - radius)) == 0
     assert window.workspace.object_list.selected_numbers == {item.number}
     assert window.session.document.shapes == ()
     assert window.actions_by_name["undo"].text() == "Undo paint object"
@@ -76,10 +76,10 @@ def test_a_stroke_from_an_object_adds_to_it_and_leaves_the_rest_of_its_boundary_
     (after,) = items(window)
     assert after.number == before.number
     expected = near(((20, 20), (20, 44)))
-    assert differ(after.mask((64, 64)), expected <= brush.radius, np.abs(expected - brush.radius)) == 0
-    far = {corner for corner in before.boundary[0] if corner[1] < 19}
+    assert differ(after.region.paste((64, 64)), expected <= brush.radius, np.abs(expected - brush.radius)) == 0
+    far = {corner for corner in before.region.boundary[0] if corner[1] < 19}
     assert len(far) > 10
-    assert far <= set(after.boundary[0])
+    assert far <= set(after.region.boundary[0])
 
 
 def test_a_painted_object_has_no_confidence_any_more(window, hand, brush) -> None:
@@ -97,8 +97,8 @@ def test_the_selected_object_is_painted_wherever_a_stroke_begins_and_without_one
     stroke(hand, (12, 12), (12, 20))
     stroke(hand, (50, 40), (50, 50))
     (item,) = items(window)
-    assert len(item.outer_curves) == 2
-    assert item.encloses(np.array([(12.0, 16.0), (50.0, 45.0)])).all()
+    assert len(item.region.outer_curves) == 2
+    assert item.region.encloses(np.array([(12.0, 16.0), (50.0, 45.0)])).all()
     hand.key(KEY.Key_Escape)
     stroke(hand, (30, 12), (30, 20))
     assert [each.number for each in items(window)] == [1, 2]
@@ -107,13 +107,13 @@ def test_the_selected_object_is_painted_wherever_a_stroke_begins_and_without_one
     stroke(hand, (30, 60), away=True)
     stroke(hand, (30, 12), away=True)
     assert items(window)[0] == item
-    assert items(window)[1].encloses(np.array([(30.0, 12.0)])).all(), "only the selected one is erased from"
+    assert items(window)[1].region.encloses(np.array([(30.0, 12.0)])).all(), "only the selected one is erased from"
 
 
 def test_a_stroke_does_not_run_over_other_objects_unless_they_may_overlap(window, hand, brush) -> None:
     stroke(hand, (30, 20), (30, 30))
     stroke(hand, (20, 30), (44, 30), anew=True)
-    first, second = (item.mask((64, 64)) for item in items(window))
+    first, second = (item.region.paste((64, 64)) for item in items(window))
     assert not (first & second).any()
     assert second[20, 30] and second[44, 30]
     hand.key(KEY.Key_Escape)
@@ -125,7 +125,7 @@ def test_a_stroke_does_not_run_over_other_objects_unless_they_may_overlap(window
     assert "belongs to object 1" in window.canvas_area.messages.text
     window.actions_by_name["objects_overlap"].trigger()
     stroke(hand, (30, 22), (30, 24))
-    assert (items(window)[2].mask((64, 64)) & first).any()
+    assert (items(window)[2].region.paste((64, 64)) & first).any()
     window.workspace.object_list.select_objects((1,))
     window.workspace.object_commands.toggle_state("frozen")
     hand.key(KEY.Key_Escape)
@@ -139,7 +139,7 @@ def test_a_new_object_may_be_painted_inside_another_one(window, hand, brush) -> 
     for _ in range(6):
         hand.key(KEY.Key_BracketLeft)
     stroke(hand, (20, 30), (20, 32), anew=True)
-    outer, inner = (item.mask((64, 64)) for item in items(window))
+    outer, inner = (item.region.paste((64, 64)) for item in items(window))
     assert inner.any() and (inner & outer).sum() == inner.sum()
 
 
@@ -154,14 +154,14 @@ def test_with_alt_the_brush_takes_away_makes_holes_and_parts_an_object_in_two(wi
     assert small < large / 2
     stroke(hand, (30, 32), away=True)
     (item,) = items(window)
-    assert len(item.boundary) == 2
-    assert item.area == pytest.approx(2 * large * 24 + math.pi * (large**2 - small**2), rel=0.02)
+    assert len(item.region.boundary) == 2
+    assert item.region.size == pytest.approx(2 * large * 24 + math.pi * (large**2 - small**2), rel=0.02)
     stroke(hand, (15, 32), (45, 32), away=True)
     (item,) = items(window)
-    assert len(item.outer_curves) == 2
+    assert len(item.region.outer_curves) == 2
     whole, cut = near(((30, 20), (30, 44))), near(((15, 32), (45, 32)))
     edge = np.minimum(np.abs(whole - large), np.abs(cut - small))
-    assert differ(item.mask((64, 64)), (whole <= large) & (cut > small), edge) == 0
+    assert differ(item.region.paste((64, 64)), (whole <= large) & (cut > small), edge) == 0
 
 
 def test_escape_in_a_stroke_brings_the_objects_back(window, hand, brush) -> None:
@@ -186,10 +186,10 @@ def test_enter_and_arrow_keys_paint_and_with_alt_take_away(window, hand, brush) 
         hand.key(KEY.Key_Right)
     hand.key(KEY.Key_Return)
     (item,) = items(window)
-    rows, cols = np.ptp(np.concatenate([np.array(curve) for curve in item.boundary]), axis=0)
+    rows, cols = np.ptp(np.concatenate([np.array(curve) for curve in item.region.boundary]), axis=0)
     assert rows == pytest.approx(2 * brush.radius, rel=0.02)
     assert cols > rows + 2
     hand.key(KEY.Key_Return, SHIFT)
     hand.key(KEY.Key_Return)
     (less,) = items(window)
-    assert less.area < item.area - 0.9 * math.pi * brush.radius**2 / 2
+    assert less.region.size < item.region.size - 0.9 * math.pi * brush.radius**2 / 2

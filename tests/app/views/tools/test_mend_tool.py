@@ -11,6 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
 from cpm_core.contours.contour import Contour
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject
 from tests.app.conftest import show_contours
 
@@ -29,7 +30,7 @@ def at(angle: float, radius: float) -> tuple[float, float]:
 def mended(window, hand):
     """An object whose boundary lies next to the edge, an open contour of a run in a corner, and the tool in use."""
     ring = tuple(at(0.05 * math.pi * k, DRAWN) for k in range(40))
-    bone = SegmentedObject(1, (), (ring,), name="bone")
+    bone = SegmentedObject(1, (), Region((ring,)), name="bone")
     window.session.edit("bone", lambda d: replace(d, objects=replace(d.objects, items=(bone,))))
     show_contours(window, Contour(np.array([(3.0, float(col)) for col in range(4, 16)]), False))
     hand.canvas.setFocus()
@@ -44,7 +45,7 @@ def bone(window) -> SegmentedObject:
 
 
 def radii(item: SegmentedObject) -> np.ndarray:
-    (curve,) = item.boundary
+    (curve,) = item.region.boundary
     return np.hypot(*(np.array(curve) - CENTER).T)
 
 
@@ -120,10 +121,10 @@ def test_a_frozen_object_is_not_pulled_and_a_click_chooses(mended, hand) -> None
 
 
 def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
-    before = bone(mended).area
+    before = bone(mended).region.size
     mended.workspace.object_list.select_objects((1,))
     hand.drag((32, 32), (32, 50), (32, 58))
-    assert bone(mended).area > before + 5
+    assert bone(mended).region.size > before + 5
     QCursor.setPos(mended.mapToGlobal(QPoint(2, 2)))
     mended.actions_by_name["cross_hair"].trigger()
     crosshair = mended.canvas_area.crosshair
@@ -141,7 +142,7 @@ def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
 def test_a_contour_that_is_pulled_becomes_an_object_in_one_step_and_the_run_stays(mended, hand) -> None:
     hand.drag((3, 9), (5, 9), (7, 9))
     _, line = mended.session.document.objects.items
-    assert line.area == 0.0 and np.array(line.line)[:, 0].max() == pytest.approx(7.0, abs=1.0)
+    assert line.region.size == 0.0 and np.array(line.line)[:, 0].max() == pytest.approx(7.0, abs=1.0)
     np.testing.assert_allclose(np.array(line.line)[[0, -1]], [(3.0, 4.0), (3.0, 15.0)], atol=1.5)
     (contour,) = mended.session.scene.contours
     assert (contour.points[:, 0] == 3.0).all()

@@ -18,8 +18,9 @@ from cpm_app.session.storage.session_file import DocumentFile
 from PySide6.QtCore import Qt
 
 from cpm_core import Partition, partition
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import Click, SegmentedObject
-from cpm_core.shapes import Barrier, Circle, Polygon, Region
+from cpm_core.shapes import Barrier, Circle, Polygon, PolygonRegion
 
 pytestmark = pytest.mark.shared_window
 
@@ -126,7 +127,7 @@ def test_enter_accepts_the_object_without_a_word_and_the_next_click_begins_the_n
     hand.key(KEY.Key_Return)
     assert hand.canvas.hasFocus()  # no field takes Space or another Enter
     (item,) = taken(window)
-    assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
+    assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     assert not objects.selecting
     click(hand, 43, 42)
     assert overlap(offered(objects), disk(*LARGE)) > 0.9
@@ -138,7 +139,7 @@ def test_enter_right_after_a_click_accepts_what_it_means(window, hand, objects) 
     hand.click(18, 18)
     hand.key(KEY.Key_Return)
     hand.wait(lambda: bool(taken(window)))
-    assert overlap(taken(window)[0].mask((64, 64)), disk(*SMALL)) > 0.9
+    assert overlap(taken(window)[0].region.paste((64, 64)), disk(*SMALL)) > 0.9
     assert not objects.selecting
 
 
@@ -359,7 +360,7 @@ def test_a_click_in_an_object_chooses_it_and_a_click_in_a_chosen_one_corrects_it
     take(hand)
     (item,) = taken(window)
     assert item.number == 1
-    assert item.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
+    assert item.region.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
 
 
 def test_a_click_with_shift_in_an_object_begins_to_correct_it_at_once(window, hand, objects) -> None:
@@ -387,9 +388,9 @@ def test_a_click_with_control_in_an_object_selects_another_one_there(window, han
 def part(window):
     """An accepted object over a part of the large disk."""
     corners = ((28.0, 25.0), (28.0, 36.5), (58.0, 36.5), (58.0, 25.0))
-    item = SegmentedObject(1, (), (corners,))
+    item = SegmentedObject(1, (), Region((corners,)))
     window.session.edit("part", lambda document: accept_objects(document, (item,)))
-    return item.mask((64, 64))
+    return item.region.paste((64, 64))
 
 
 def test_answers_stay_out_of_accepted_objects_unless_objects_may_overlap(window, hand, objects, part) -> None:
@@ -397,7 +398,7 @@ def test_answers_stay_out_of_accepted_objects_unless_objects_may_overlap(window,
     assert not (offered(objects) & part).any()
     assert overlap(offered(objects), disk(*LARGE) & ~part) > 0.9
     take(hand)
-    assert not (taken(window)[1].mask((64, 64)) & part).any()
+    assert not (taken(window)[1].region.paste((64, 64)) & part).any()
     hand.key(KEY.Key_Z, CONTROL)
     hand.key(KEY.Key_Escape)
     window.actions_by_name["objects_overlap"].trigger()
@@ -444,7 +445,7 @@ def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window
     assert "2 objects found. Enter accepts all" in window.canvas_area.hint.text()
     assert layer.proposal_fill.count == 2
     hand.key(KEY.Key_Return)
-    masks = [item.mask((64, 64)) for item in taken(window)]
+    masks = [item.region.paste((64, 64)) for item in taken(window)]
     assert [max(overlap(mask, disk(*where)) for mask in masks) > 0.9 for where in (SMALL, LARGE)] == [True, True]
     selection = window.workspace.object_selection
     hand.wait(lambda: selection.idle and not selection.proposals)
@@ -515,12 +516,12 @@ def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, 
     listed.select_objects(
         row.key[1]
         for row in listed.rows
-        if row.kind == "proposal" and row.item.encloses(np.array([SMALL[0], corner])).any()
+        if row.kind == "proposal" and row.item.region.encloses(np.array([SMALL[0], corner])).any()
     )
     assert hint.text().startswith("2 of 3 objects are selected. Enter accepts them")
     take(hand)
     assert len(taken(window)) == 2
-    assert any(item.encloses(np.array([corner]))[0] for item in taken(window))
+    assert any(item.region.encloses(np.array([corner]))[0] for item in taken(window))
 
 
 @pytest.mark.parametrize("where", [SMALL, LARGE])
@@ -532,7 +533,7 @@ def test_a_proposal_that_is_clicked_again_is_accepted_by_enter(window, hand, obj
     assert objects.selecting
     take(hand)
     (item,) = taken(window)
-    assert overlap(item.mask((64, 64)), disk(*where)) > 0.9
+    assert overlap(item.region.paste((64, 64)), disk(*where)) > 0.9
 
 
 def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(window, hand, objects) -> None:
@@ -541,7 +542,7 @@ def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(wind
     assert "1 of 2 objects" in window.canvas_area.hint.text()
     take(hand)
     (item,) = taken(window)
-    assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
+    assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     (rest,) = objects.proposals
     hand.wait(lambda: objects.idle)
     assert rest.selection.contains(np.array([LARGE[0]])).all()
@@ -563,7 +564,7 @@ def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(win
     assert overlap(offered(objects), disk(*SMALL)) > 0.9
     take(hand)
     (item,) = taken(window)
-    assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
+    assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
 
 
@@ -590,7 +591,7 @@ def test_brackets_take_the_next_candidate_and_undo_takes_the_step_back(window, h
     assert item.clicks[-1].step == -1
     objects.refit_objects(frozenset({1}))
     hand.wait(lambda: window.session.tasks.idle)
-    assert taken(window)[0].area == pytest.approx(item.area)
+    assert taken(window)[0].region.size == pytest.approx(item.region.size)
     for _ in range(2):
         hand.key(KEY.Key_Z, CONTROL)
     hand.wait(lambda: objects.idle and bool(objects.proposals))
@@ -631,7 +632,7 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     assert f"1 object found, {likely}. Enter accepts it" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
-    assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
+    assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     hand.wait(lambda: selection.idle and not selection.proposals)
 
 
@@ -640,7 +641,7 @@ def _plain(action) -> str:
 
 
 @pytest.mark.parametrize(
-    ("use", "kind"), [("Start of the next run", Polygon), ("Region of interest", Region), ("Barrier", Barrier)]
+    ("use", "kind"), [("Start of the next run", Polygon), ("Region of interest", PolygonRegion), ("Barrier", Barrier)]
 )
 def test_an_object_becomes_a_start_a_region_or_a_barrier(window, hand, objects, use, kind) -> None:
     click(hand, 18, 18)
@@ -704,7 +705,7 @@ def test_merged_proposals_leave_none_of_them_behind(window, hand, objects) -> No
     hand.key(KEY.Key_M)
     hand.wait(lambda: objects.idle)
     (whole,) = window.session.document.objects.items
-    assert len(whole.boundary) == 2 and objects.proposals == ()
+    assert len(whole.region.boundary) == 2 and objects.proposals == ()
 
 
 def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> None:

@@ -74,7 +74,7 @@ def farthest(item) -> float:
 def test_a_closed_line_along_the_edge_is_an_object_before_any_run(drawing, hand) -> None:
     click_along(hand, 0.0, 2.0, 4.0, 0.0)
     (one,) = items(drawing)
-    assert one.area == pytest.approx(AREA, rel=0.04) and one.measure_gap_length() < 3.0
+    assert one.region.size == pytest.approx(AREA, rel=0.04) and one.measure_gap_length() < 3.0
     assert drawing.workspace.object_list.selected_numbers == {1}
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
@@ -85,7 +85,7 @@ def test_an_open_line_along_the_edge_is_an_open_object_with_a_length_and_no_area
     click_along(hand, 0.0, 1.0, 2.0)
     hand.key(KEY.Key_Return)
     (one,) = items(drawing)
-    assert (one.area, one.boundary) == (0.0, ())
+    assert (one.region.size, one.region.boundary) == (0.0, ())
     assert one.measure_perimeter() == pytest.approx(2.0 * RADIUS, rel=0.04)
     assert np.abs(np.hypot(*(np.array(one.line) - CENTER).T) - RADIUS).max() < 1.0
     assert drawing.session.history.undo_name == "draw line"
@@ -103,16 +103,16 @@ def test_delete_removes_the_line_that_was_just_drawn(drawing, hand) -> None:
 def test_a_freehand_line_snaps_and_closes_where_it_began(drawing, hand) -> None:
     hand.drag(*(at(angle, RADIUS + 1.0) for angle in np.linspace(0.0, 2.0 * math.pi, 40)))
     (one,) = items(drawing)
-    assert one.area == pytest.approx(AREA, rel=0.04)
+    assert one.region.size == pytest.approx(AREA, rel=0.04)
 
 
 def test_a_line_between_two_places_of_an_object_redraws_the_stretch(drawing, hand) -> None:
     click_along(hand, 0.0, 2.0, 4.0, 0.0)
-    before = items(drawing)[0].area
+    before = items(drawing)[0].region.size
     redraw_stretch(hand)
     (one,) = items(drawing)
     assert one.number == 1 and farthest(one) == pytest.approx(RADIUS + 8.0, abs=1.0)
-    assert before < one.area < before + 60.0
+    assert before < one.region.size < before + 60.0
 
 
 def test_a_line_between_two_places_of_a_contour_makes_an_object_of_it_in_one_step(outlined, hand) -> None:

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from cpm_core.numerics import polyline
-from cpm_core.shapes import Barrier, Grid, Region, Stroke, Threshold
+from cpm_core.shapes import Barrier, Grid, PolygonRegion, Stroke, Threshold
 
 pytestmark = pytest.mark.shared_window
 
@@ -18,7 +18,7 @@ KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
 PIXEL = 0.5
 
-KINDS = {KEY.Key_T: Stroke, KEY.Key_I: Region, KEY.Key_B: Barrier}
+KINDS = {KEY.Key_T: Stroke, KEY.Key_I: PolygonRegion, KEY.Key_B: Barrier}
 CORNERS = ((10.0, 12.0), (12.0, 48.0), (50.0, 44.0), (46.0, 10.0))
 
 
@@ -69,7 +69,7 @@ def test_a_drag_draws_freehand_and_the_path_follows_the_pointer(window, hand, ca
 
 
 def test_a_drag_from_corner_to_corner_draws_an_area_as_a_rectangle(window, hand, cases) -> None:
-    for key, kind in cases({KEY.Key_I: Region, KEY.Key_G: Grid, KEY.Key_H: Threshold}.items()):
+    for key, kind in cases({KEY.Key_I: PolygonRegion, KEY.Key_G: Grid, KEY.Key_H: Threshold}.items()):
         hand.canvas.setFocus()
         hand.key(key)
         hand.drag((50.0, 52.0), (30.0, 31.0), (10.0, 12.0))

@@ -16,6 +16,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication, QLineEdit
 
 from cpm_core.contours.contour import Contour
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand, show_contours
@@ -130,7 +131,7 @@ def test_a_click_on_a_contour_tells_its_length_and_enter_makes_an_object_that_f2
 
 
 def disk_object(number: int, place: tuple[int, int]) -> SegmentedObject:
-    return SegmentedObject(number, (), (tuple(map(tuple, ring(place).tolist())),))
+    return SegmentedObject(number, (), Region((tuple(map(tuple, ring(place).tolist())),)))
 
 
 def add_objects(window: MainWindow, *items: SegmentedObject) -> None:

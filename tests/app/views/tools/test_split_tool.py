@@ -11,6 +11,7 @@ from cpm_app.model.document import objects
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
+from cpm_core.image.region import Region
 from cpm_core.numerics import polyline
 from cpm_core.objects.segmented import SegmentedObject
 
@@ -38,7 +39,7 @@ def image_file(tmp_path):
 @pytest.fixture
 def pair(window, hand):
     """One object around both nuclei, with a name, and the tool in use with the edges at hand."""
-    both = SegmentedObject(1, (), (objects.round_line(around()),), name="both")
+    both = SegmentedObject(1, (), Region((objects.round_line(around()),)), name="both")
     window.session.edit("both", lambda d: replace(d, objects=replace(d.objects, items=(both,))))
     hand.canvas.setFocus()
     hand.key(KEY.Key_K)
@@ -62,7 +63,7 @@ def items(window):
 
 def check_halves(window) -> None:
     for item, number in zip(items(window), (0, 1), strict=True):
-        found, true = item.mask((64, 64)), nucleus(number)
+        found, true = item.region.paste((64, 64)), nucleus(number)
         assert (found & true).sum() / (found | true).sum() > 0.93
     assert [(item.number, item.name) for item in items(window)] == [(1, "both"), (2, "")]
 

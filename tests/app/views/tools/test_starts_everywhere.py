@@ -8,7 +8,7 @@ from cpm_app.model.document import edits
 from PySide6.QtCore import Qt
 
 from cpm_core import divergence_centers, gradient_threshold, uniform_grid
-from cpm_core.shapes import SEEDING_KINDS, Everywhere, Region
+from cpm_core.shapes import SEEDING_KINDS, Everywhere, PolygonRegion
 
 pytestmark = pytest.mark.shared_window
 
@@ -76,7 +76,7 @@ def test_a_region_of_interest_limits_the_seeds_and_the_smoothing_moves_them(wind
     hand.key(*KEYS["gradient"])
     hand.wait(lambda: bool(seen))
     everywhere = seen[-1][Everywhere("gradient")]
-    region = Region(((0.0, 0.0), (0.0, 63.0), (31.5, 63.0), (31.5, 0.0)))
+    region = PolygonRegion(((0.0, 0.0), (0.0, 63.0), (31.5, 63.0), (31.5, 0.0)))
     window.session.edit("region", lambda document: edits.add_shape(document, region))
     hand.wait(lambda: len(seen) == 2)
     np.testing.assert_array_equal(seen[-1][Everywhere("gradient")], everywhere[everywhere[:, 0] < 31.5])

@@ -10,7 +10,7 @@ from cpm_app.views.tools import TOOLS
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
-from cpm_core.shapes import Barrier, Circle, Ellipse, Grid, Polygon, Region, Stroke, Threshold
+from cpm_core.shapes import Barrier, Circle, Ellipse, Grid, Polygon, PolygonRegion, Stroke, Threshold
 
 pytestmark = pytest.mark.shared_window
 
@@ -55,7 +55,7 @@ def test_enter_shows_the_cross_hair_in_the_center_and_arrows_move_it(window, han
     assert "cross-hair" not in window.canvas_area.hint.text()
 
 
-PATHS = {"polygon": Polygon, "stroke": Stroke, "grid_area": Grid, "threshold": Threshold, "region": Region}
+PATHS = {"polygon": Polygon, "stroke": Stroke, "grid_area": Grid, "threshold": Threshold, "region": PolygonRegion}
 
 
 @pytest.mark.parametrize("name", [*PATHS, "barrier"])

@@ -25,7 +25,7 @@ from cpm_core.shapes import (
     Grid,
     Points,
     Polygon,
-    Region,
+    PolygonRegion,
     Stroke,
     Threshold,
 )
@@ -117,7 +117,7 @@ SIZES = [
     (Circle((30.0, 30.0), 10.0), lambda shape: shape.radius),
     (Ellipse((30.0, 30.0), (10.0, 5.0)), lambda shape: shape.radii[0]),
     (Polygon(CORNERS), lambda shape: polyline.enclosed_area(shape.points)),
-    (Region(CORNERS), lambda shape: polyline.enclosed_area(shape.points)),
+    (PolygonRegion(CORNERS), lambda shape: polyline.enclosed_area(shape.points)),
     (Grid(CORNERS), lambda shape: shape.spacing),
     (Threshold(CORNERS), lambda shape: shape.fraction),
     (Charge((30.0, 30.0), 2.0), lambda shape: shape.strength),

@@ -11,8 +11,8 @@ from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
 from PySide6.QtCore import QPoint, Qt
 
-from cpm_core.contours.surface import Surface
 from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.image.surface import Surface
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.shapes import EnclosedRegion
 from tests.app.conftest import Hand
@@ -57,9 +57,16 @@ def found(volume, hand, monkeypatch):
 
 def click(hand: Hand, at: tuple[float, float], keys: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
     """A click in the slice on the canvas, and the answer to it."""
+    begin_click(hand, at, keys)
+    settle(hand)
+
+
+def begin_click(
+    hand: Hand, at: tuple[float, float], keys: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier
+) -> None:
+    """A click in the slice on the canvas, whose answer is not waited for."""
     for act in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
         act(hand.canvas.viewport(), Button.LeftButton, keys, hand.at(*at))
-    settle(hand)
 
 
 def settle(hand: Hand) -> None:
@@ -81,7 +88,7 @@ def items(window) -> tuple[SegmentedObject, ...]:
 
 def bodies(window) -> list[float]:
     """Volumes of the objects [voxels]."""
-    return [item.unpacked_surface.volume for item in items(window)]
+    return [item.region.surface.volume for item in items(window)]
 
 
 BALL = 4.0 / 3.0 * np.pi * RADIUS**3
@@ -120,14 +127,14 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
     selection = found.workspace.object_selection
     click(hand, OTHER[1:])
     (proposal,) = selection.proposals
-    assert proposal.selection.volume == pytest.approx(BALL, rel=0.08)
+    assert proposal.selection.size == pytest.approx(BALL, rel=0.08)
     layer = hand.canvas.layers["objects"]
     assert layer.proposal_fill.count == 1
     found.workspace.slices.go_to(1)
     assert layer.proposal_fill.count == 0
     found.workspace.slices.go_to(round(ONE[0]))
     click(hand, ONE[1:])
-    assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.08)
+    assert selection.proposals[0].selection.size == pytest.approx(2 * BALL, rel=0.08)
     click(hand, OTHER[1:], SHIFT)
     assert selection.proposals[0].selection.contains(np.array([ONE, OTHER])).tolist() == [True, False]
     hand.key(KEY.Key_Backspace)
@@ -152,7 +159,7 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     settle(hand)
     take(hand)
     assert bodies(found) == pytest.approx([BALL], rel=0.08)
-    assert items(found)[0].unpacked_surface.vertices.mean(axis=0) == pytest.approx(OTHER, abs=0.5)
+    assert items(found)[0].region.surface.vertices.mean(axis=0) == pytest.approx(OTHER, abs=0.5)
     assert len(found.get_feature(SpaceFeature).panel.contents.objects) == 1
     hand.window.actions_by_name["hide_object"].trigger()
     assert found.get_feature(SpaceFeature).panel.contents.objects == ()
@@ -198,8 +205,8 @@ def test_objects_come_back_with_a_session(found, hand, tmp_path) -> None:
     open_file_again(found, hand, path)
     assert items(found) == before
     for one, other in zip(items(found), before, strict=True):
-        assert isinstance(one.unpacked_surface, Surface)
-        np.testing.assert_array_equal(one.unpacked_surface.vertices, other.unpacked_surface.vertices)
+        assert isinstance(one.region.surface, Surface)
+        np.testing.assert_array_equal(one.region.surface.vertices, other.region.surface.vertices)
     found.workspace.slices.go_through(OTHER)
     assert hand.canvas.layers["objects"].fills.count >= 1
 
@@ -246,14 +253,14 @@ def test_a_click_in_any_slice_gives_the_body_before_a_run(volume, hand) -> None:
     hand.wait(lambda: selection.ready)
     click(hand, OTHER[1:])
     (proposal,) = selection.proposals
-    assert proposal.selection.volume == pytest.approx(BALL, rel=0.08)
+    assert proposal.selection.size == pytest.approx(BALL, rel=0.08)
     assert hand.canvas.layers["objects"].proposal_fill.count == 1
     volume.workspace.slices.go_to(1)
     assert hand.canvas.layers["objects"].proposal_fill.count == 0
     volume.workspace.slices.go_through(ONE)
     click(hand, ONE[1:])
     assert selection.proposals[0].selection.contains(np.array([ONE, OTHER])).all()
-    assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.1)
+    assert selection.proposals[0].selection.size == pytest.approx(2 * BALL, rel=0.1)
     click(hand, ONE[1:], SHIFT)
     assert selection.proposals[0].selection.contains(np.array([ONE, OTHER])).tolist() == [False, True]
     hand.key(KEY.Key_Backspace)
@@ -282,9 +289,9 @@ def test_clicks_correct_a_painted_body_near_them_and_leave_the_rest_as_it_was(vo
     click(hand, OTHER[1:])
     take(hand)
     (corrected,) = items(volume)
-    mask, ball = corrected.mask(SHAPE), np.zeros(SHAPE, bool)
+    mask, ball = corrected.region.paste(SHAPE), np.zeros(SHAPE, bool)
     ball[:, 11:, 13:] = balls()[:, 11:, 13:] > 110
-    np.testing.assert_array_equal(mask[:, :8], painted.mask(SHAPE)[:, :8])
+    np.testing.assert_array_equal(mask[:, :8], painted.region.paste(SHAPE)[:, :8])
     assert (mask & ball).sum() > 0.9 * ball.sum()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert items(volume) == (painted,)
@@ -302,8 +309,8 @@ def test_two_clicks_split_a_body_in_space_and_one_undo_joins_it(volume, hand) ->
     click(hand, (10, 6))
     click(hand, (10, 13))
     hand.wait(lambda: len(items(volume)) == 2)
-    one, other = (item.mask(SHAPE)[10] for item in items(volume))
-    np.testing.assert_array_equal(one ^ other, whole.mask(SHAPE)[10])
+    one, other = (item.region.paste(SHAPE)[10] for item in items(volume))
+    np.testing.assert_array_equal(one ^ other, whole.region.paste(SHAPE)[10])
     assert (one[10, 5:15] != other[10, 5:15]).all()
     assert (one[10, 6], other[10, 13]) == (True, True)
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
@@ -327,3 +334,32 @@ def test_a_click_in_the_background_is_marked_says_that_it_finds_nothing_and_bind
     hand.wait(lambda: selection.answered and selection.idle)
     assert len(volume.session.document.objects.clicks) == 1
     assert selection.proposals[0].selection.contains(np.array([ONE]))[0]
+
+
+@pytest.mark.parametrize("key", [KEY.Key_F2, KEY.Key_Delete, KEY.Key_Backspace, KEY.Key_M, KEY.Key_K])
+def test_what_follows_enter_before_the_answer_is_done_after_it(volume, hand, key) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    selection, table = volume.workspace.object_selection, volume.panels["objects"].table
+    hand.wait(lambda: selection.ready)
+    volume.workspace.slices.go_through(ONE)
+    if key == KEY.Key_M:
+        click(hand, ONE[1:])
+        hand.key(KEY.Key_Return)
+        volume.workspace.slices.go_through(OTHER)
+    begin_click(hand, (OTHER if key == KEY.Key_M else ONE)[1:])
+    hand.key(KEY.Key_Return)
+    assert not selection.answered
+    if key == KEY.Key_M:
+        hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
+    hand.key(key)
+    if key == KEY.Key_K:
+        begin_click(hand, (ONE[1] - 3, ONE[2]))
+        begin_click(hand, (ONE[1] + 3, ONE[2]))
+    hand.wait(lambda: selection.idle)
+    if key == KEY.Key_F2:
+        hand.wait(lambda: table.state() == table.State.EditingState)
+        hand.key(KEY.Key_Escape)
+    count, whole = {KEY.Key_F2: (1, BALL), KEY.Key_M: (1, 2 * BALL), KEY.Key_K: (2, BALL)}.get(key, (0, 0.0))
+    hand.wait(lambda: len(items(volume)) == count)
+    assert sum(item.region.size for item in items(volume)) == pytest.approx(whole, rel=0.1)

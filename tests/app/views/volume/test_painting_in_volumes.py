@@ -52,7 +52,7 @@ def items(window):
 
 
 def masks(window) -> list[np.ndarray]:
-    return [item.mask(SHAPE) for item in items(window)]
+    return [item.region.paste(SHAPE) for item in items(window)]
 
 
 def covered(*path) -> np.ndarray:
@@ -77,7 +77,7 @@ def in_slice(away, axis, index) -> np.ndarray:
 def test_a_stroke_in_a_slice_paints_voxels_of_that_slice_and_one_undo_takes_it_back(volume, hand, brush) -> None:
     stroke(hand.canvas, (12, 8), (12, 14), (12, 20))
     (item,) = items(volume)
-    assert_is(item.mask(SHAPE), in_slice(covered((12, 12, 8), (12, 12, 20)), 0, 12))
+    assert_is(item.region.paste(SHAPE), in_slice(covered((12, 12, 8), (12, 12, 20)), 0, 12))
     assert volume.workspace.object_list.selected_numbers == {item.number}
     assert volume.actions_by_name["undo"].text() == "Undo paint object"
     before = masks(volume)[0]
@@ -127,7 +127,7 @@ def test_the_lines_in_slices_enclose_the_voxels_that_have_been_painted(volume, h
         expected = here.slice_array(mask)
         pixels = np.moveaxis(np.indices(expected.shape), 0, -1).reshape(-1, 2).astype(float)
         inside = np.zeros(len(pixels), bool)
-        for line in cut.boundary:
+        for line in cut.region.boundary:
             inside ^= polyline.points_inside(line, pixels)
         assert np.array_equal(inside.reshape(expected.shape), expected)
 
@@ -184,7 +184,7 @@ def test_painted_objects_are_measured_drawn_in_space_saved_and_exported(volume, 
     assert file.save_and_wait(path)
     kept = load_session(path).objects.items
     assert kept == items(volume)
-    assert [item.mask(SHAPE).sum() for item in kept] == counts
+    assert [item.region.paste(SHAPE).sum() for item in kept] == counts
     labels = np.sum([mask * number for mask, number in zip(masks(volume), (1, 2), strict=True)], axis=0)
     (made,) = export(hand.qtbot, volume, tmp_path, "objects:.tif")
     assert np.array_equal(tifffile.imread(made), labels)
@@ -230,7 +230,7 @@ def test_painted_objects_limit_the_next_run_start_it_and_have_center_lines(volum
     nearest = np.rint(points.seeds()).astype(int)
     assert (away[tuple(nearest.T)] < 1.5).all()
     assert region.translated((1.0, 0.0, 0.0)).center == pytest.approx(np.add(region.center, (1, 0, 0)))
-    skeleton = SkeletonMethod(volume.session.image).for_objects(volume.session.document.objects[1].surface)
+    skeleton = SkeletonMethod(volume.session.image).for_objects([volume.session.document.objects[1].region])
     state = skeleton.start()
     while not state.stop_reason:
         state = skeleton.step(state, PRESETS["volume"])

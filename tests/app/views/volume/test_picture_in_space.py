@@ -17,8 +17,8 @@ from cpm_app.views.canvas.flow import start_positions
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Surface
 
 SIZE = 40, 60
 MIDDLE = np.array([29.5, 19.5, 0.0])

@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from skimage.measure import marching_cubes
 
-from cpm_core.contours.surface import Surface
+from cpm_core.image.surface import Surface
 from cpm_core.shapes import (
     Barrier,
     Box,

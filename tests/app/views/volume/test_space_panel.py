@@ -17,8 +17,8 @@ from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
 from PySide6.QtGui import QColor, QWheelEvent
 from pytestqt.qtbot import QtBot
 
-from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
+from cpm_core.image.surface import Surface
 
 LEFT = Qt.MouseButton.LeftButton
 NONE, SHIFT, CTRL = (

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from cpm_app.model.document import edits
+from cpm_app.model.document import edits, objects
 from cpm_app.views.window.menus import CONTEXT_MENU_ACTIONS
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
+from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Charge, Circle
 
 pytestmark = pytest.mark.shared_window
@@ -77,10 +78,14 @@ def test_a_right_drag_moves_the_image_and_opens_no_menu(window, hand, menus) -> 
 
 
 @pytest.mark.parametrize(("shape", "thing"), [(Circle((32.0, 32.0), 10.0), "shape"), (Charge((32.0, 42.0)), "charge")])
-def test_a_right_click_on_a_shape_selects_it(window, hand, menus, shape, thing) -> None:
-    window.session.edit("draw", lambda document: edits.add_shape(document, shape))
+def test_a_right_click_on_a_shape_selects_it_and_nothing_else(window, hand, menus, shape, thing) -> None:
+    far = SegmentedObject(1, (), (((2.0, 2.0), (2.0, 9.0), (9.0, 9.0)),))
+    window.session.edit("add", lambda document: objects.accept_objects(edits.add_shape(document, shape), (far,)))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
+    assert window.workspace.object_list.selected_numbers == {1}
     right_click(hand, 32, 42)
-    assert window.session.selected_shape == 0
+    assert (window.session.selected_shape, window.workspace.object_list.selected_keys) == (0, set())
     assert names(window, menus.menu) == [name for name in CONTEXT_MENU_ACTIONS[thing] if name]
     window.actions_by_name["enlarge"].trigger()
     assert window.session.document.shapes == (shape.resized_by(1.0),)

@@ -83,8 +83,10 @@ def test_pages_of_several_sizes_are_several_series(tmp_path):
     assert np.array_equal(load_volume(tmp_path / "a.tif", series=2).values, PIXELS[:, :9] + 1)
 
 
-def test_pages_of_a_film_become_planes_and_it_is_said(tmp_path):
-    tifffile.imwrite(tmp_path / "a.tif", PIXELS, imagej=True, metadata={"axes": "TYX"})
+@pytest.mark.parametrize("size", [{}, {"unit": "um"}])
+def test_pages_of_a_film_become_planes_and_it_is_said(tmp_path, size):
+    resolution = (2.0, 2.0) if size else None
+    tifffile.imwrite(tmp_path / "a.tif", PIXELS, imagej=True, resolution=resolution, metadata={"axes": "TYX", **size})
     volume = load_volume(tmp_path / "a.tif")
     assert np.array_equal(volume.values, PIXELS)
     assert volume.notes == ("Its 10 pages, which are points in time, were taken as planes.",)

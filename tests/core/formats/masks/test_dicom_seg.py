@@ -10,8 +10,9 @@ from pydicom.dataset import Dataset
 from pydicom.uid import SegmentationStorage, generate_uid
 
 from cpm_core import Result, export, load_surface, load_volume, load_volume_truth
-from cpm_core.contours import Label, join_surfaces, label_voxels
+from cpm_core.contours import join_surfaces, label_voxels
 from cpm_core.contours.surface import surface_from_labels
+from cpm_core.image.surface import Label
 
 from ..images.made import ACROSS, OBLIQUE, VALUES, dataset, write_nifti, write_series
 

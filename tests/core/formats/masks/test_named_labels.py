@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Contour, Geometry, Image, Result, export, load_surface
-from cpm_core.contours import Label, join_surfaces, label_voxels
+from cpm_core.contours import join_surfaces, label_voxels
 from cpm_core.contours.ground_truth import label_gray_levels, number_gray_levels
 from cpm_core.contours.surface import surface_from_labels
+from cpm_core.image.surface import Label
 
 from ..images.made import write_metaimage
 

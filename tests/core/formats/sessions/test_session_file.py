@@ -16,7 +16,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import cpm_core
-from cpm_core.contours.packed_surface import PackedBody, PackedSurface
 from cpm_core.formats.common.content import compute_fingerprint
 from cpm_core.formats.common.json_values import LARGEST_NUMBER
 from cpm_core.formats.sessions.session_file import (
@@ -28,10 +27,11 @@ from cpm_core.formats.sessions.session_file import (
     load_session,
     save_session,
 )
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 from cpm_core.parameters import AUTOMATIC_PARAMETERS, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
-from cpm_core.shapes import SHAPES_BY_NAME, Circle, Region
+from cpm_core.shapes import SHAPES_BY_NAME, Circle, PolygonRegion
 from cpm_core.shapes.document_shapes import count_axes
 
 numbers = st.floats(-LARGEST_NUMBER, LARGEST_NUMBER, allow_nan=False)
@@ -57,8 +57,8 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
         return st.tuples(*(values(item, "") for item in items))
     if get_origin(hint) is Literal:
         return st.sampled_from(get_args(hint))
-    if hint == PackedBody:
-        return st.sampled_from([*SURFACES, SURFACES[0].as_packed_voxels])
+    if hint is Region:
+        return st.sampled_from([*SURFACES, Region.from_mask(SURFACES[0].mask, SURFACES[0].origin)])
     assert hint is float, hint
     return numbers
 
@@ -66,9 +66,7 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
 CORNERS = np.array([(x, y, z) for z in (0, 3) for y in (0, 3) for x in (0, 3)], np.float32)
 SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 TRIANGLES = np.array([(a, *pair) for a, b, c, d in SIDES for pair in ((b, c), (c, d))])
-SURFACES = [
-    PackedSurface.from_surface(cpm_core.Surface(corners, TRIANGLES)) for corners in (CORNERS, CORNERS / 3.0 - 7.0)
-]
+SURFACES = [Region.from_surface(cpm_core.Surface(corners, TRIANGLES)) for corners in (CORNERS, CORNERS / 3.0 - 7.0)]
 
 
 def any_of(kind: type) -> st.SearchStrategy[Any]:
@@ -144,9 +142,9 @@ def test_every_shape_and_every_parameter_is_kept() -> None:
 
 
 def test_it_is_read_by_people_one_line_for_each_shape() -> None:
-    drawn = (Circle((1.0, 2.0), 3.0), Region(((0.0, 0.0), (0.0, 9.0), (9.0, 0.0))))
+    drawn = (Circle((1.0, 2.0), 3.0), PolygonRegion(((0.0, 0.0), (0.0, 9.0), (9.0, 0.0))))
     lines = encode_session(SessionFile(shapes=drawn), Path("/folder")).decode().splitlines()
-    assert lines[1:3] == ['  "cpm-session": 2,', f'  "program": "CPM {cpm_core.__version__}",']
+    assert lines[1:3] == ['  "cpm-session": 3,', f'  "program": "CPM {cpm_core.__version__}",']
     assert '    {"shape": "circle", "center": [1.0, 2.0], "radius": 3.0},' in lines
     assert sum('"shape"' in line for line in lines) == 2
 
@@ -210,13 +208,13 @@ def test_a_changed_image_is_used_with_a_warning(image_file: Path, tmp_path: Path
 
 
 def test_unknown_parameters_are_told_and_missing_ones_have_their_defaults() -> None:
-    session = decode_session(b'{"cpm-session": 2, "parameters": {"beta": 0.5, "viscosity": 3}}', "a.cpm")
+    session = decode_session(b'{"cpm-session": 3, "parameters": {"beta": 0.5, "viscosity": 3}}', "a.cpm")
     assert session.parameters == Parameters(beta=0.5)
     assert "viscosity" in session.notes[0]
 
 
 def test_what_a_later_version_adds_is_kept_when_the_file_is_written_again(tmp_path: Path) -> None:
-    session = decode_session(b'{"cpm-session": 2, "weather": {"sun": true}}', "a.cpm")
+    session = decode_session(b'{"cpm-session": 3, "weather": {"sun": true}}', "a.cpm")
     save_session(replace(session, mode="shape"), tmp_path / "a.cpm")
     assert json.loads((tmp_path / "a.cpm").read_text())["weather"] == {"sun": True}
 
@@ -241,13 +239,13 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
     [
         (b"", "not a session file"),
         (b'{"cpm-session": true}', "version True"),
-        (b'{"cpm-session": 2, "shapes": [{"shape": "blob"}]}', '"blob" but must be one of circle'),
-        (b'{"cpm-session": 2, "objects": {"classes": [{"name": "", "color": "#\\u001b\\n"}]}}', r"\x1b"),
-        (b'{"cpm-session": 2, "shapes": [{"shape": "circle", "center": [1, 1e7], "radius": 2}]}', "1e+07"),
-        (b'{"cpm-session": 2, "shapes": [{"shape": "points", "positions": []}]}', "shape 1 (points)"),
-        (b'{"cpm-session": 2, "parameters": {"beta": -Infinity}}', "beta"),
-        (b'{"cpm-session": 2, "parameters": {"beta": "auto"}}', 'beta is "auto"'),
-        (b'{"cpm-session": 2, "objects": {"classes": [{"name": "", "color": "red"}]}}', "#rrggbb"),
+        (b'{"cpm-session": 3, "shapes": [{"shape": "blob"}]}', '"blob" but must be one of circle'),
+        (b'{"cpm-session": 3, "objects": {"classes": [{"name": "", "color": "#\\u001b\\n"}]}}', r"\x1b"),
+        (b'{"cpm-session": 3, "shapes": [{"shape": "circle", "center": [1, 1e7], "radius": 2}]}', "1e+07"),
+        (b'{"cpm-session": 3, "shapes": [{"shape": "points", "positions": []}]}', "shape 1 (points)"),
+        (b'{"cpm-session": 3, "parameters": {"beta": -Infinity}}', "beta"),
+        (b'{"cpm-session": 3, "parameters": {"beta": "auto"}}', 'beta is "auto"'),
+        (b'{"cpm-session": 3, "objects": {"classes": [{"name": "", "color": "red"}]}}', "#rrggbb"),
         (100_000 * b"[", "not a session file"),
     ],
 )

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.field.scale_field import build_scale_field
+from cpm_core.image.region import Region
 from cpm_core.numerics import polyline
 from cpm_core.objects.segmented import SegmentedObject, split_object, split_object_along
 from cpm_core.objects.segmented.areas import boundary_from_polygon, lies_on, polygon_from_boundary
@@ -24,11 +25,11 @@ def disk(center, radius):
 
 
 def item_of(area):
-    return SegmentedObject(3, (), boundary_from_polygon(area), name="both", category=2)
+    return SegmentedObject(3, (), Region(boundary_from_polygon(area)), name="both", category=2)
 
 
 def overlap(item, area):
-    own = polygon_from_boundary(item.boundary)
+    own = polygon_from_boundary(item.region.boundary)
     return own.intersection(area).area / own.union(area).area
 
 
@@ -57,8 +58,8 @@ def test_disks_that_overlap_are_parted_at_their_neck_wherever_the_clicks_lie(tur
     clicks = [tuple(c + 0.5 * q * np.array([math.sin(t), math.cos(t)])) for c, q, t in ((one, r, a), (other, s, b))]
     found = split_object(item, *clicks, field)
     halves = found.first, found.second
-    assert [half.encloses(np.array(clicks)).tolist() for half in halves] == [[True, False], [False, True]]
-    assert sum(half.area for half in halves) == pytest.approx(item.area, abs=1.0)
+    assert [half.region.encloses(np.array(clicks)).tolist() for half in halves] == [[True, False], [False, True]]
+    assert sum(half.region.size for half in halves) == pytest.approx(item.region.size, abs=1.0)
     assert [gaps(half) for half in halves] == pytest.approx(2 * [neck.length], abs=4.0)
     assert min(map(overlap, halves, true)) > 0.93
     assert [(half.name, half.category) for half in halves] == 2 * [("both", 2)]
@@ -77,10 +78,10 @@ def test_the_cut_follows_an_edge_inside_where_the_outline_has_no_neck(by_line) -
         halves = split_object(item, (28.0, 50.0), (60.0, 40.0), field)
         first, second = halves.first, halves.second
     true = (PIXELS[0] < wave) & inside
-    differs = (first.mask(SHAPE) != true).sum() / 36.0
+    differs = (first.region.paste(SHAPE) != true).sum() / 36.0
     assert differs < 1.0, "on the average within a pixel"
     assert gaps(first) < 8.0
-    assert second.area > first.area
+    assert second.region.size > first.region.size
 
 
 @given(st.floats(-0.9, 0.9), TURNS)
@@ -94,19 +95,20 @@ def test_a_line_across_cuts_off_the_very_part_beyond_it(off, turn) -> None:
     halves = split_object_along(item, line)
     first, second = halves.first, halves.second
     angle = 2.0 * math.acos(abs(off))
-    assert second.area == pytest.approx(200.0 * (angle - math.sin(angle)), abs=3.0)
-    assert first.area + second.area == pytest.approx(item.area, abs=1.0)
+    assert second.region.size == pytest.approx(200.0 * (angle - math.sin(angle)), abs=3.0)
+    assert first.region.size + second.region.size == pytest.approx(item.region.size, abs=1.0)
     assert gaps(first) == pytest.approx(40.0 * half, abs=1.5)
-    assert all(lies_on(gap, second.boundary) for gap in first.gaps)
+    assert all(lies_on(gap, second.region.boundary) for gap in first.gaps)
 
 
 def test_a_ring_is_cut_twice_and_parts_that_are_apart_not_at_all() -> None:
     ring = item_of(disk((48, 48), 30.0).difference(disk((48, 48), 15.0)))
     halves = split_object(ring, (48.0, 25.0), (48.0, 71.0))
-    assert halves.first.area == pytest.approx(halves.second.area, rel=0.1) and len(halves.cuts) == 2
+    assert halves.first.region.size == pytest.approx(halves.second.region.size, rel=0.1) and len(halves.cuts) == 2
     two = item_of(disk((30, 30), 10.0).union(disk((70, 70), 12.0)))
     halves = split_object(two, (30.0, 30.0), (70.0, 72.0))
-    assert (halves.first.area, halves.second.area) == pytest.approx((math.pi * 100, math.pi * 144), rel=0.01)
+    sizes = halves.first.region.size, halves.second.region.size
+    assert sizes == pytest.approx((math.pi * 100, math.pi * 144), rel=0.01)
     assert halves.cuts == ()
 
 

@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cpm_core.contours.packed_surface import PackedSurface, PackedVoxels
 from cpm_core.formats.common.json_values import from_json, to_json
-from cpm_core.image.volume_regions import Voxels
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import (
     SegmentedObject,
     SegmentedObjects,
@@ -26,12 +25,12 @@ SIDES = (2.5, 1.0, 1.0)
 def whole(body, shape=SHAPE):
     found = np.zeros(shape, bool)
     if body is not None:
-        body.voxels.fill_into(found)
+        body.fill_into(found)
     return found
 
 
 def body(mask):
-    return PackedVoxels.from_voxels(Voxels(mask, (0, 0, 0)))
+    return Region.from_mask(mask)
 
 
 def window(first, shape):
@@ -44,39 +43,42 @@ def random_box(rng, largest=12):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_voxels_in_bytes_are_what_was_put_into_them_box_by_box(seed):
+def test_a_region_holds_what_was_added_to_it_and_not_what_was_removed(seed):
     rng = np.random.default_rng(seed)
     expected = np.zeros(SHAPE, bool)
     first, shape = random_box(rng)
     expected[window(first, shape)] = True
-    found = PackedVoxels.from_voxels(Voxels(np.ones(shape, bool), tuple(first)))
-    for share in (0.5, 0.0, 1.0, 0.2, 0.0):
+    found = Region.from_mask(np.ones(shape, bool), first)
+    for share, adds in ((0.5, False), (0.5, True), (1.0, False), (0.2, True), (1.0, False)):
         first, shape = random_box(rng)
-        assert np.array_equal(found.mask_in_box(first, shape), expected[window(first, shape)])
-        expected[window(first, shape)] = rng.random(shape) < share
-        found = found.with_box_replaced(first, expected[window(first, shape)])
+        assert np.array_equal(found.cut_out(window(first, shape)), expected[window(first, shape)])
+        part = Region.from_mask(rng.random(shape) < share, first)
+        both, either = whole(part) & expected, whole(part) | expected
+        assert np.array_equal(whole(found.shared_with(part)), both)
+        assert found.compute_iou(part) == pytest.approx(both.sum() / max(either.sum(), 1))
+        found, expected = (found.united(part), either) if adds else (found.without(part), expected & ~both)
         assert np.array_equal(whole(found), expected)
-        if found is None:
+        assert (found.size, found.is_empty) == (expected.sum(), not expected.any())
+        if found.is_empty:
             return
-        assert found.volume == expected.sum()
         inside = np.argwhere(expected)
-        assert np.array_equal(found.box, [inside.min(axis=0), inside.max(axis=0)])
-    kept = json.loads(json.dumps(to_json(SegmentedObject(1, (), surface=(found,)))))
-    assert from_json(SegmentedObject, kept, "it").surface[0] == found
+        assert np.array_equal(found.bounds, [inside.min(axis=0), inside.max(axis=0)])
+        assert found == Region.from_mask(expected)
+    kept = json.loads(json.dumps(to_json(SegmentedObject(1, (), found))))
+    assert from_json(SegmentedObject, kept, "it").region == found
 
 
 def test_the_smooth_surface_around_voxels_encloses_the_very_same_ones():
     rng = np.random.default_rng(1)
     for share in (0.02, 0.5, 0.9):
         mask = rng.random((9, 10, 11)) < share
-        exact = PackedSurface.from_surface(body(mask).surface)
+        exact = Region.from_surface(body(mask).find_surface())
         assert np.array_equal(whole(exact, mask.shape), mask)
 
 
-def test_no_voxel_at_all_is_no_body():
+def test_no_voxel_at_all_is_no_object():
     with pytest.raises(ValueError, match="at least one voxel"):
-        body(np.zeros((3, 3, 3), bool))
-    assert body(np.ones((3, 3, 3), bool)).with_box_replaced((0, 0, 0), np.zeros((3, 3, 3), bool)) is None
+        SegmentedObject(1, (), body(np.zeros((3, 3, 3), bool)))
 
 
 def away_from(path, axis=None):
@@ -95,25 +97,22 @@ def away_from(path, axis=None):
 def test_the_brush_covers_what_is_nearer_to_its_way_than_its_radius(path, axis):
     if axis is not None:
         path = tuple(tuple(7.0 if at == axis else x for at, x in enumerate(place)) for place in path)
-    first, mask = voxelize_brush(SHAPE, path, 5.0, SIDES, axis)
-    found = np.zeros(SHAPE, bool)
-    found[window(first, mask.shape)] = mask
+    found = voxelize_brush(SHAPE, path, 5.0, SIDES, axis).paste(SHAPE)
     away = away_from(path, axis)
     sure = np.abs(away - 5.0) > 0.05
     assert np.array_equal(found[sure], (away < 5.0)[sure])
 
 
 def test_the_smallest_brush_covers_the_voxel_that_it_is_in():
-    first, mask = voxelize_brush(SHAPE, ((4.4, 7.4, 8.6),), 0.1, SIDES)
-    assert mask.all()
-    assert (first.tolist(), mask.shape) == ([4, 7, 9], (1, 1, 1))
+    found = voxelize_brush(SHAPE, ((4.4, 7.4, 8.6),), 0.1, SIDES)
+    assert (found.origin, found.mask.tolist()) == ((4, 7, 9), [[[True]]])
 
 
 def painted(*masks):
     """Objects with these voxels, of which the last one is painted over the others."""
     objects = SegmentedObjects(may_overlap=True)
     for number, mask in enumerate(masks, start=1):
-        objects = paint_voxels(objects, number, (np.zeros(3, int), mask))
+        objects = paint_voxels(objects, number, body(mask))
     return objects
 
 
@@ -128,10 +127,10 @@ def test_painting_and_erasing_the_same_way_leaves_what_was_there():
     part = voxelize_brush(SHAPE, ((5.0, 9.0, 9.0), (11.0, 20.0, 30.0)), 6.0, SIDES)
     before = painted(there)
     after = paint_voxels(paint_voxels(before, 1, part), 1, part, adds=False)
-    covered = whole(PackedVoxels.from_voxels(Voxels(part[1], tuple(part[0].tolist()))))
-    assert np.array_equal(whole(after[1].surface[0]), there & ~covered)
+    covered = whole(part)
+    assert np.array_equal(whole(after[1].region), there & ~covered)
     new = paint_voxels(paint_voxels(apart(before), 2, part), 2, part, adds=False)
-    assert np.array_equal(whole(new[1].surface[0]), there)
+    assert np.array_equal(whole(new[1].region), there)
     assert [item.number for item in new.items] == [1]
 
 
@@ -140,22 +139,22 @@ def test_paint_takes_from_others_where_they_may_overlap_but_never_from_frozen_or
     masks = rng.random((4, *SHAPE)) < 0.3
     alone = [masks[0] & ~masks[1] & ~masks[2], masks[1] & ~masks[2], masks[2]]
     objects = painted(*masks[:3])
-    assert [np.array_equal(whole(item.surface[0]), mask) for item, mask in zip(objects.items, alone, strict=True)] == [
+    assert [np.array_equal(whole(item.region), mask) for item, mask in zip(objects.items, alone, strict=True)] == [
         True
     ] * 3
     items = tuple(
-        SegmentedObject(item.number, (), surface=item.surface, frozen=item.number == 1, hidden=item.number == 2)
+        SegmentedObject(item.number, (), region=item.region, frozen=item.number == 1, hidden=item.number == 2)
         for item in objects.items
     )
-    after = paint_voxels(replace(objects, items=items), 4, (np.zeros(3, int), masks[3]))
-    bodies = [whole(item.surface[0]) for item in after.items]
+    after = paint_voxels(replace(objects, items=items), 4, body(masks[3]))
+    bodies = [whole(item.region) for item in after.items]
     assert np.array_equal(bodies[0], alone[0])
     assert np.array_equal(bodies[1], alone[1])
     assert np.array_equal(bodies[2], alone[2] & ~masks[3])
     assert np.array_equal(bodies[3], masks[3] & ~alone[0] & ~alone[1])
-    clear = paint_voxels(apart(objects), 4, (np.zeros(3, int), masks[3]))
+    clear = paint_voxels(apart(objects), 4, body(masks[3]))
     assert clear.items[:3] == objects.items
-    assert np.array_equal(whole(clear[4].surface[0]), masks[3] & ~np.any(alone, axis=0))
+    assert np.array_equal(whole(clear[4].region), masks[3] & ~np.any(alone, axis=0))
 
 
 def test_an_object_that_is_painted_over_whole_is_gone():
@@ -167,10 +166,10 @@ def test_an_object_that_is_painted_over_whole_is_gone():
 def test_the_union_with_painted_voxels_has_the_voxels_of_both():
     rng = np.random.default_rng(5)
     one, other = rng.random((2, 9, 10, 11)) < 0.4
-    exact = PackedSurface.from_surface(body(one).surface)
-    items = [SegmentedObject(n, (), surface=(made,)) for n, made in ((1, exact), (2, body(other)))]
+    exact = Region.from_surface(body(one).find_surface())
+    items = [SegmentedObject(n, (), region=made) for n, made in ((1, exact), (2, body(other)))]
     for first, second in (items, items[::-1]):
-        assert np.array_equal(unite_objects(first, second).mask(one.shape), one | other)
+        assert np.array_equal(unite_objects(first, second).region.paste(one.shape), one | other)
 
 
 def disk(center, radius, shape=(64, 72), pixel=(1.0, 1.0)):
@@ -183,21 +182,16 @@ def disk(center, radius, shape=(64, 72), pixel=(1.0, 1.0)):
 def test_between_two_disks_lie_those_of_the_cone(axis, ends):
     planes = np.zeros((11, 64, 72), bool)
     planes[0], planes[10] = disk(ends[0], 6.0), disk(ends[1], 16.0)
-    (first, filled), count = fill_between_slices(body(np.moveaxis(planes, 0, axis)), axis, (1.0, 1.0, 1.0))
+    between, count = fill_between_slices(body(np.moveaxis(planes, 0, axis)), axis, (1.0, 1.0, 1.0))
     assert count == 9
-    found = np.moveaxis(filled, axis, 0)
+    found = np.moveaxis(between.paste(np.moveaxis(planes, 0, axis).shape), axis, 0)
     assert not found[[0, 10]].any()
     for at in range(1, 10):
         share = at / 10
         center = np.add(np.multiply(1 - share, ends[0]), np.multiply(share, ends[1]))
         radius = 6.0 + share * 10.0
-        assert not (found[at] & ~disk(center, radius + 1.0)[window_of(first, axis, found[at])]).any()
-        assert not (disk(center, radius - 1.0)[window_of(first, axis, found[at])] & ~found[at]).any()
-
-
-def window_of(first, axis, part):
-    rest = [n for at, n in enumerate(first.tolist()) if at != axis]
-    return tuple(slice(a, a + n) for a, n in zip(rest, part.shape, strict=True))
+        assert not (found[at] & ~disk(center, radius + 1.0)).any()
+        assert not (disk(center, radius - 1.0) & ~found[at]).any()
 
 
 def test_a_branch_continues_from_its_trunk_and_slices_that_are_painted_stay():
@@ -206,11 +200,11 @@ def test_a_branch_continues_from_its_trunk_and_slices_that_are_painted_stay():
     planes[4] = disk((30, 25), 6.0) | disk((30, 48), 6.0)
     planes[5] = planes[4]
     planes[8] = disk((30, 10), 4.0) | disk((30, 60), 4.0)  # touches none of those before it
-    (_, filled), count = fill_between_slices(body(planes), 0, (1.0, 1.0, 1.0))
+    between, count = fill_between_slices(body(planes), 0, (1.0, 1.0, 1.0))
     assert count == 5
+    filled = between.paste(planes.shape)
     assert not filled[[0, 4, 5, 8]].any()
-    whole_planes = planes.copy()
-    whole_planes[:, : filled.shape[1], : filled.shape[2]] |= filled
+    whole_planes = planes | filled
     from scipy.ndimage import label  # noqa: PLC0415
 
     assert label(whole_planes)[1] == 1
@@ -223,9 +217,9 @@ def test_two_balls_that_touch_are_split_at_their_neck(sides):
     one, other = (np.linalg.norm(places - (15 * sides[0], 20, col), axis=-1) for col in (18, 41))
     balls = (one < 12.5) | (other < 12.5)
     balls[0, 0, :3] = True  # a piece apart from both
-    whole = SegmentedObject(3, (), name="both", surface=(PackedVoxels.from_voxels(Voxels(balls)),))
+    whole = SegmentedObject(3, (), name="both", region=Region.from_mask(balls))
     halves = split_painted_object(whole, (15, 22, 12), (15, 18, 47), sides)
-    first, second = (half.mask(balls.shape) for half in (halves.first, halves.second))
+    first, second = (half.region.paste(balls.shape) for half in (halves.first, halves.second))
     np.testing.assert_array_equal(first ^ second, balls)
     sure = np.abs(one - other) > 1.5
     np.testing.assert_array_equal((first & balls)[sure], (balls & (one < other))[sure])
@@ -238,9 +232,9 @@ def test_what_has_no_neck_is_split_halfway():
     box = np.zeros((12, 12, 41), bool)
     box[2:10, 2:10, 2:39] = True
     halves = split_painted_object(
-        SegmentedObject(1, (), surface=(PackedVoxels.from_voxels(Voxels(box)),)), (5, 5, 10), (5, 5, 30), (1,) * 3
+        SegmentedObject(1, (), region=Region.from_mask(box)), (5, 5, 10), (5, 5, 30), (1,) * 3
     )
-    assert (np.flatnonzero(halves.first.mask(box.shape).any(axis=(0, 1)))[[0, -1]] - (2, 20)).tolist() in (
+    assert (np.flatnonzero(halves.first.region.paste(box.shape).any(axis=(0, 1)))[[0, -1]] - (2, 20)).tolist() in (
         [0, 0],
         [0, -1],
     )

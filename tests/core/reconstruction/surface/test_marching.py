@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.ndimage import generate_binary_structure, label
 
-from cpm_core.contours.surface import Surface
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import zero_surface
 
 SIGNS = arrays(np.int8, st.tuples(*[st.integers(2, 5)] * 3), elements=st.sampled_from([-1, 1]))

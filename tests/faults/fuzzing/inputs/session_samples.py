@@ -13,11 +13,11 @@ import numpy as np
 import tifffile
 
 from cpm_core import Parameters, Surface
-from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.formats.common.json_values import shape_to_json
 from cpm_core.formats.contours.contour_json import page_to_json
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, TruthFile, encode_session
+from cpm_core.image.region import Region
 from cpm_core.medial_axis.outlines import SkeletonTarget
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.pages.page import Page
@@ -36,8 +36,8 @@ from cpm_core.shapes import (
     Grid,
     Points,
     Polygon,
+    PolygonRegion,
     PrismRegion,
-    Region,
     Sphere,
     Stroke,
     Threshold,
@@ -60,7 +60,7 @@ _BOX = ((10.0, 10.0), (10.0, 20.0), (20.0, 20.0))
 _PLACES = np.array([(x, y, z) for z in (6, 12) for y in (6, 12) for x in (6, 12)], np.float32)
 _SIDES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
 _FACES = np.array([(a, *pair) for a, b, c, d in _SIDES for pair in ((b, c), (c, d))])
-_CUBE = PackedSurface.from_surface(Surface(_PLACES, _FACES))
+_CUBE = Region.from_surface(Surface(_PLACES, _FACES))
 
 
 def write_images(folder: Path) -> None:
@@ -88,7 +88,7 @@ def sample(folder: Path) -> dict[str, Any]:
             Grid(_CORNERS, 6.0),
             Threshold(_CORNERS, 0.4),
             Everywhere("grid"),
-            Region(((1.0, 1.0), (1.0, 38.0), (38.0, 38.0), (38.0, 1.0))),
+            PolygonRegion(((1.0, 1.0), (1.0, 38.0), (38.0, 38.0), (38.0, 1.0))),
             Barrier(_CORNERS[:3]),
             Charge((12.0, 12.0), -1.5),
         ),
@@ -97,7 +97,7 @@ def sample(folder: Path) -> dict[str, Any]:
         objects=SegmentedObjects(
             (
                 SegmentedObject(
-                    1, (Click(((20.0, 20.0),)),), (_BOX,), (_BOX[:2],), 0.5, 2.0, "a", "#0072b2", frozen=True
+                    1, (Click(((20.0, 20.0),)),), Region((_BOX,)), (_BOX[:2],), 0.5, 2.0, "a", "#0072b2", frozen=True
                 ),
                 SegmentedObject(2, (), name="cell", color="#e69f00", line=_BOX),
             ),
@@ -132,7 +132,7 @@ def sample_in_space(folder: Path) -> dict[str, Any]:
             Charge((9.0, 9.0, 3.0), -1.5),
         ),
         objects=SegmentedObjects(
-            (SegmentedObject(1, (Click(((9.0, 9.0, 9.0),)),), confidence=0.5, surface=(_CUBE,), frozen=True),)
+            (SegmentedObject(1, (Click(((9.0, 9.0, 9.0),)),), confidence=0.5, region=_CUBE, frozen=True),)
         ),
         parameters=Parameters(scales=1),
         view={"volume": {"at": [9, 9, 9], "axis": 1}},
