@@ -114,8 +114,12 @@ class VolumePartition:
     ((31, 31, 31), 1, [1], '')
     >>> len(bodies.find_candidates([(15, 15, 15)]))
     1
-    >>> bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
+    >>> chosen = bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
+    >>> chosen
     <Selection ball, 1 part>
+    >>> half = bodies.remove_pixels(chosen, np.indices((31, 31, 31))[0] > 15)
+    >>> [float(row) for row, *_ in half.region.bounds]
+    [6.0, 15.0]
     """
 
     image: Image

@@ -77,14 +77,14 @@ class Result(drawing.Pictured):
     --------
     >>> result = cpm.segment(cpm.example("ring"), cpm.uniform_grid((64, 64)))
     >>> result
-    <Result ring, 2 contours (2 closed), 132 particles, at rest after 64 steps>
+    <Result ring, 2 contours (2 closed), 133 particles, at rest after 68 steps>
     >>> result.labels.shape, int(result.labels[32, 12]), int(result.labels[32, 32])  # the ring, and the hole in it
     ((64, 64), 1, 2)
     >>> table = result.table(in_units=True)
     >>> table["area"].round(), table.units["area"]
     (array([374.,  77.]), 'µm²')
     >>> result.objects  # the best first
-    (<Selection 1,484 px, 2 contours, 0 gaps, 80 % sure>,)
+    (<Selection 1,485 px, 2 contours, 0 gaps, 80 % sure>,)
     >>> axes = result.plot(particles=True)
     >>> result.geometry is None  # nothing is known of its place in space
     True
