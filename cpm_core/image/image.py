@@ -80,6 +80,8 @@ class Image(drawing.Pictured):
     finer : tuple, optional
         The same image with two, four and more times the rows and columns, the finest first, for display: objects with
         a `shape`, of which a window is read by index. Contours are found in `values`.
+    window : tuple of float, optional
+        Gray levels that the file asks to show as black and as white, as DICOM does; None where it does not.
     color : {"luminance", "red", "green", "blue", "contrast"}, optional
         How gray levels are made of color, as in `load_image`: brightness to the eye, one of its channels, or
         the channel whose gray levels vary the most. With the luminance the image keeps its colors, so that
@@ -129,6 +131,7 @@ class Image(drawing.Pictured):
     color: InitVar[str] = LUMINANCE_CHOICE
     hounsfield: bool | None = None
     finer: tuple[Any, ...] = ()
+    window: tuple[float, float] | None = None
 
     def __post_init__(self, color: str) -> None:
         check_color_choice(color)

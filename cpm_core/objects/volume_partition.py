@@ -27,6 +27,7 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
+from cpm_core.objects.background import lies_in_background
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -188,7 +189,7 @@ class VolumePartition:
         Returns
         -------
         Selection
-            Empty when no positive point lies in a body.
+            Empty when no positive point lies in a body, or the first one in nothing but background.
 
         Raises
         ------
@@ -217,6 +218,10 @@ class VolumePartition:
             found = self._build_selection(self.extract_boundary(chosen), within, beyond, remark)
         else:
             found = self._select_by_network(within, beyond, previous, painted)
+            begins = previous is None or not previous.has_boundary
+            surface = found.surface
+            if begins and surface is not None and lies_in_background(self.image.values, within[0], surface):
+                found = self._build_selection(None, within, beyond, found.remark)
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
     def find_candidates(

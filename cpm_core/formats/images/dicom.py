@@ -236,12 +236,16 @@ def _decode_frame(dataset: Any, frame: DicomFrame, name: str) -> DecodedImage:
         return decode_samples(stored[..., :3], white=2.0**bits - 1.0)
     values: Numbers = stored
     notes: Texts = ()
+    window = frame.window
     if colors == "MONOCHROME1":
         ends = -1 if int(dataset.get("PixelRepresentation", 0)) else 2**bits - 1
         values, notes = ends - stored.astype(np.int64), ("It counts from white to black and was inverted.",)
+        if window is not None:
+            turned = frame.slope * ends + 2.0 * frame.intercept
+            window = turned - window[1], turned - window[0]
     if (frame.slope, frame.intercept) != (1.0, 0.0):
         values = values * np.float64(frame.slope) + np.float64(frame.intercept)
-    return DecodedImage(_mask_padding(dataset, values, stored), notes=notes)
+    return DecodedImage(_mask_padding(dataset, values, stored), notes=notes, window=window)
 
 
 def _mask_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:

@@ -339,7 +339,10 @@ def _build_image(decoded: DecodedImage, file: Path, reading: Reading, sha256: st
         notes = (*notes, no_data_note(values.size))
         values = np.zeros(values.shape)
     name, known = make_printable(file.name), decoded.hounsfield
-    return Image(values, spacing, unit, name, notes, colors, sha256, geometry, hounsfield=known, finer=decoded.finer)
+    return Image(
+        values, spacing, unit, name, notes, colors, sha256, geometry, hounsfield=known, finer=decoded.finer,
+        window=decoded.window,
+    )  # fmt: skip
 
 
 def _hash_file(file: Path, check_cancelled: Callback | None) -> str:

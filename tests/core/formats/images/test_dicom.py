@@ -360,6 +360,26 @@ def test_rescaled_values_of_ct_are_hounsfield_units_as_the_file_says(tmp_path, m
     assert np.array_equal(volume.values[:10], 2.0 * VALUES[:10] - 1024.0)
 
 
+def test_the_window_of_a_series_is_that_of_its_middle_slice_and_its_first_of_several(tmp_path):
+    write_series(tmp_path, range(11))
+    assert load_volume(tmp_path).window is None
+    for path in tmp_path.iterdir():
+        slice_ = pydicom.dcmread(path)
+        slice_.WindowCenter, slice_.WindowWidth = [40.0 + slice_.InstanceNumber, 0.0], [400.0, 10.0]
+        slice_.save_as(path)
+    assert load_volume(tmp_path).window == (46.0 - 200.0, 46.0 + 200.0)
+
+
+def test_the_window_of_an_inverted_file_is_inverted_with_its_values(tmp_path):
+    window = {"WindowCenter": 120.0, "WindowWidth": 100.0, "RescaleSlope": 2.0, "RescaleIntercept": -30.0}
+    write_slice(tmp_path / "plain.dcm", VALUES[0], **window)
+    write_slice(tmp_path / "inverted.dcm", VALUES[0], PhotometricInterpretation="MONOCHROME1", **window)
+    plain, inverted = (load_image(tmp_path / name) for name in ("plain.dcm", "inverted.dcm"))
+    assert plain.window == (70.0, 170.0)
+    shown, turned = ((image.values - image.window[0]) / 100.0 for image in (plain, inverted))
+    np.testing.assert_allclose(turned, 1.0 - shown)
+
+
 def test_ct_without_a_rescaling_has_no_hounsfield_units(tmp_path):
     write_series(tmp_path, HEIGHTS, Modality="CT")
     assert not load_volume(tmp_path).is_ct
