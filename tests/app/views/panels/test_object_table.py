@@ -243,6 +243,11 @@ def test_all_rows_are_accepted_in_one_step_and_contours_are_not_among_them(windo
     assert items(window) == ()
 
 
+def test_the_number_of_a_proposal_is_never_that_of_an_object(window, drawn) -> None:
+    window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((FRAME, DOT))))
+    assert column(drawn, "number") == ["1", "2", "(1)", "(2)", "(3)", "(4)"]
+
+
 def test_a_rejected_object_goes_until_that_is_undone(window, hand, table) -> None:
     choose(hand, table, 1)
     hand.key(KEY.Key_X)
