@@ -83,7 +83,7 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
         return f"({number})" if row.kind == "proposal" and number else number or None
 
     return (
-        Column("number", tr("#"), tr("Number; it stays the same. That of a proposal is in brackets."),
+        Column("number", "#", tr("Number; it stays the same. That of a proposal is in brackets."),
                row_number, "000", number_format=".0f",
                sort_by=lambda row: (row.kind == "proposal") * 1e7 + abs(row.key[1])),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
