@@ -554,7 +554,9 @@ def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(wind
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
 
 
-def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or_run_anew(window, hand, objects) -> None:
+def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or_run_anew(
+    window, hand, objects
+) -> None:
     run_everywhere(hand)
     take(hand)
     hand.wait(lambda: objects.idle and not objects.proposals)
