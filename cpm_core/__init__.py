@@ -11,8 +11,8 @@ The model on one page
    positive charges to edges (`field.convolution`). Its direction is the **Lorentz force** F_l, which passes linearly
    through zero across an edge (`field.scale_field`).
 3. The **particles** all have the same positive charge and repel each other: the **Coulomb force** F_c, eq. (9)
-   (`model.coulomb`), scaled by the local spacing and clipped at one. Near pairs alone are summed, since those
-   between screen farther ones (`model.plane.repulsion`).
+   (`model.coulomb`), scaled by the local spacing and clipped at one. With many particles, close pairs are summed at
+   every step, and the rest is interpolated from a mesh that is updated every few steps (`model.plane.repulsion`).
 4. They move by F = w1 F_c + w2 F_l - beta v, eq. (12), where the last term is the **damping**; one **step** advances
    them by eq. (14)-(15) (`model.equations`, `model.plane.motion`). Particles that leave the image are removed.
 5. A particle has **edge contact** where the Lorentz force is weak and the edge strong enough (`model.plane.motion`).

@@ -19,6 +19,7 @@ from cpm_core.image.regions import Regions
 from cpm_core.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.model.coverage import no_coverage
 from cpm_core.model.plane import motion
+from cpm_core.model.plane.repulsion import mesh_force
 from cpm_core.model.starts import circle
 from cpm_core.model.volume.starts import sphere
 from cpm_core.numerics.types import Callback
@@ -56,8 +57,9 @@ def step_once() -> None:
 
 
 def contours_once() -> None:
-    """Run the kernels of the reconstruction, and of a start everywhere."""
+    """Run the kernels of the reconstruction, of a start everywhere, and of the forces of many particles."""
     places, coverage = circle((15.5, 15.5), 5.0), no_coverage(_IMAGE.shape)
+    mesh_force(places, _IMAGE.shape, 4.0)  # which more particles than these would need
     find_unexplained_edges(build_scale_field(_IMAGE, 1.0, 0.0), places, coverage.found.shape)
     _contours()
 

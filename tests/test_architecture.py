@@ -39,6 +39,7 @@ LATE_LIBRARIES = {
     "cpm_core.formats.images.nifti": {"nibabel"},
     "cpm_core.formats.images.nrrd": {"nrrd"},
     "cpm_core.formats.images.dicom": {"pydicom", "imagecodecs"},
+    "cpm_core.formats.images.dicom_slide": {"pydicom"},
     "cpm_core.formats.images.raster": {"imagecodecs"},
     "cpm_core.cli.workers": {"dask", "distributed"},
     "cpm_core.chunked.seams": {"shapely"},

@@ -70,7 +70,7 @@ def test_a_click_in_the_head_has_the_lesion_among_its_candidates():
     lesion = cpm.partition(volume).find_candidates([(29, 45, 31)])[0]
     low, high = lesion.surface.vertices.min(axis=0), lesion.surface.vertices.max(axis=0)
     assert (low + high) / 2 == pytest.approx((28.8, 45.0, 31.5), abs=1.5)
-    assert lesion.volume == pytest.approx(4 / 3 * np.pi * 15 * 16 * 10, rel=0.15)
+    assert lesion.size == pytest.approx(4 / 3 * np.pi * 15 * 16 * 10, rel=0.15)
 
 
 def test_the_sphere_of_the_volume_finds_the_whole_tree_in_one_piece():

@@ -18,6 +18,7 @@ from cpm_core.formats import (
     load_surface,
     natural_sort_key,
 )
+from cpm_core.formats.common.content import find_local_file, is_address
 from cpm_core.formats.contour_file import describe_plane, read_contours
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.dicom import holds_dicom_series, holds_dicom_series_below
@@ -34,14 +35,16 @@ from cpm_core.shapes.outlines import start_from_surface, starts_from_centerlines
 
 
 def expand_paths(patterns: Sequence[str]) -> list[str]:
-    """Return the images that files, folders and patterns name.
+    """Return the images that files, folders, patterns and addresses of fsspec name, of which a copy is made.
 
     A folder stands for the images in it, in the order of the numbers in their names; one with the slices of a DICOM
     series stands for itself. ValueError for a folder or a pattern without images; files need not exist.
     """
     found: list[str] = []
     for text in patterns:
-        if Path(text).is_dir():
+        if is_address(text):
+            found.append(str(find_local_file(text)))
+        elif Path(text).is_dir():
             found += _list_images_in_folder(Path(text))
         elif glob.has_magic(text) and not os.path.lexists(text):
             names = sorted(filter(os.path.isfile, glob.glob(text, recursive=True)), key=natural_sort_key)  # noqa: PTH207 - names as given

@@ -14,7 +14,7 @@ from cpm_core.contours.surface import join_surfaces, surface_from_labels
 from cpm_core.formats.common.atomic import find_suffix
 from cpm_core.formats.common.content import AnySource, explain_decoding_errors, find_local_file, read_content
 from cpm_core.formats.images.decoded import DecodedImage
-from cpm_core.formats.images.readers import IMAGES_READABLE, load_volume, open_stack
+from cpm_core.formats.images.readers import IMAGES_READABLE, explain_image_errors, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import read_volume
 from cpm_core.formats.masks import dicom_seg, itk_snap, nrrd
@@ -109,7 +109,7 @@ def decode_surface(
     content: bytes, name: str, image: Image | None = None, space: Convention | None = None
 ) -> tuple[Surface, Texts]:
     """Decode a surface from the content of a file of triangles, and list what was assumed."""
-    with explain_decoding_errors(name, "is damaged, or no surface of this kind: write it again."):
+    with explain_decoding_errors(name, "is damaged or no surface of this kind: write it again."):
         found = _MESH_READERS[Path(name).suffix.lower()][1](content)
     place, notes = find_voxel_transform(content[:_COORDINATE_HEAD_SIZE].decode("latin-1"), image, space)
     faces = found.faces[:, ::-1] if place.is_mirrored else found.faces
@@ -163,7 +163,7 @@ def _read_label_surfaces(file: Path, image: Image | None) -> tuple[Surface, Text
 
 def read_overlapping_parts(file: Path) -> Iterable[tuple[Label, Sequence[DecodedImage]]]:
     """Read the segments of a file that may overlap, as masks with positions of their own; empty for label volumes."""
-    with explain_decoding_errors(file.name, "is damaged: get a sound copy of it."):
+    with explain_image_errors(file):
         return dicom_seg.read_dicom_seg(file) or nrrd.read_overlapping_segments(file, nrrd.read_segments(file)) or ()
 
 
@@ -174,7 +174,7 @@ def read_aligned_labels(file: Path, volume: Image) -> tuple[Array, Texts]:
     of `volume`. ValueError when the file cannot be read, has another size, or lies elsewhere in space.
     """
     stack = open_stack(file)
-    with explain_decoding_errors(file.name, "is damaged: get a sound copy of it."):
+    with explain_image_errors(file):
         found = read_volume(stack, Reading())
     values = np.zeros(volume.shape)
     _add_aligned_labels(found, file.name, volume, values)
@@ -186,7 +186,8 @@ def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Ar
 
     `into` has the shape of `volume`. ValueError when labels lie elsewhere in space, or have another size.
     """
-    values: Array = np.asarray(labels.values, float)
+    with np.errstate(invalid="ignore"):  # a NaN may be one that warns
+        values: Array = np.asarray(labels.values, float)
     part: tuple[slice, ...] = (slice(None),) * 3
     if labels.geometry is not None and volume.geometry is not None:
         qform, _ = geometry_from_affine(volume.geometry.qform_affine(volume.spacing)[:, [2, 1, 0, 3]], "LPS")
@@ -219,7 +220,8 @@ def _align_labels(
     """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
-    values: Array = np.asarray(labels.values, float)
+    with np.errstate(invalid="ignore"):  # a NaN may be one that warns
+        values: Array = np.asarray(labels.values, float)
     part: tuple[slice, ...] = (slice(None),) * 3
     spacing = labels.spacing
     if len(values) == 1:  # a slice, as thick as those of the volume

@@ -33,6 +33,9 @@ _LPS_TO_RAS = np.array([-1.0, -1.0, 1.0])
 _COPLANAR_VOLUME = 1e-6
 """Volume spanned by three unit vectors under which they count as coplanar."""
 
+_MIN_LEADING = 0.1
+"""Component of an axis from which it leads to a direction, about 6 degrees."""
+
 _PATIENT_DIRECTIONS = (("L", "R"), ("P", "A"), ("S", "I"))
 """Patient directions in which each coordinate of LPS grows and falls."""
 
@@ -171,6 +174,20 @@ class Geometry:
         other = {one: end for pair in _PATIENT_DIRECTIONS for one, end in (pair, pair[::-1])}
         plane, row, col = ((other[letter], letter) for letter in self.letters)
         return plane, row, col
+
+    @property
+    def oblique_ends(self) -> tuple[tuple[str, str], ...]:
+        """All letters of the directions at which each axis begins and ends, the nearest direction first.
+
+        An axis that leads to the head and, by more than 6 degrees, to the back begins at "IA" and ends at "SP".
+        """
+        found = []
+        for along in self.affine((1.0, 1.0, 1.0), "LPS")[:3, :3].T:
+            order = [index for index in np.argsort(-np.abs(along)) if abs(along[index]) >= _MIN_LEADING]
+            begin, end = ("".join(_PATIENT_DIRECTIONS[index][int((along[index] > 0.0) == first)] for index in order)
+                          for first in (True, False))  # fmt: skip
+            found.append((begin, end))
+        return tuple(found)
 
     @property
     def oblique(self) -> float:

@@ -212,6 +212,45 @@ def limit_specks(values: Array) -> Array:
     return limit_to_usable(values, find_gray_ends(values).usable)
 
 
+_SAMPLE_SIZE = 1 << 20
+"""Largest number of gray levels that percentiles are taken of; sorting all of them takes longer than a frame."""
+
+_MIN_SHADES = 16
+"""Least number of gray levels of a picture next to which a single other level is padding; masks have fewer."""
+
+
+def sample_values(values: Array) -> Array:
+    """Return gray levels of any shape, or of many every n-th along each axis, to take percentiles of."""
+    step = math.ceil((values.size / _SAMPLE_SIZE) ** (1.0 / values.ndim))
+    return values[(slice(None, None, step),) * values.ndim]
+
+
+def find_shown_range(values: Array) -> tuple[float, float]:
+    r"""Find the gray levels, of values of shape (\*shape), that are shown as black and as white.
+
+    That is all of them but specks (`find_gray_ends`) and a single level at either end, as of padding, that are farther
+    from all else than all else spans.
+    """
+    low, high = float(values.min()), float(values.max())
+    sample = sample_values(values)
+    usual = np.percentile(sample, [_LOW_PERCENTILE, _HIGH_PERCENTILE])
+    if max(usual[0] - low, high - usual[1]) > usual[1] - usual[0]:
+        low, high = find_gray_ends(values).usable
+        span = high - low
+        low = float(values.min(where=values >= low - span, initial=values.dtype.type(high)))
+        high = float(values.max(where=values <= high + span, initial=values.dtype.type(low)))
+    if len(np.unique(sample)) < _MIN_SHADES:
+        return low, high
+    darkest, brightest = values.dtype.type(low), values.dtype.type(high)
+    first = float(values.min(where=values > darkest, initial=brightest))
+    last = float(values.max(where=values < brightest, initial=darkest))
+    absent = darkest if first - low > high - first > 0.0 else brightest if high - last > last - low > 0.0 else None
+    if absent is None:
+        return low, high
+    usual_level = values.dtype.type(np.median(sample[sample != absent]))
+    return find_shown_range(np.where(values == absent, usual_level, values))  # padding may hide specks
+
+
 _LOW_PERCENTILE = 0.1
 """Percentile that counts as the lowest gray level, so that a few specks do not move it."""
 

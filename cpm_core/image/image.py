@@ -23,7 +23,7 @@ from cpm_core.image.colors import (
     reduce_to_gray,
 )
 from cpm_core.image.geometry import Geometry
-from cpm_core.image.gray_levels import NO_DATA_VALUE, make_usable
+from cpm_core.image.gray_levels import NO_DATA_VALUE, find_shown_range, make_usable
 from cpm_core.numerics.memory import check_field_memory
 from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Mask, Numbers, Sides, Texts, copy_with, record
@@ -41,6 +41,9 @@ _MAX_STORED_BYTES = 2
 _AXIS_COUNTS = {2: "two", 3: "three"}
 """Number of axes -> word for it."""
 
+
+_CT_AIR = -1000.0
+"""Gray level of air [Hounsfield units]."""
 
 _CT_AIR_RANGE = (-3072.0, -900.0)
 """Range of the least gray level of a CT image whose file does not name one."""
@@ -77,6 +80,8 @@ class Image(drawing.Pictured):
     finer : tuple, optional
         The same image with two, four and more times the rows and columns, the finest first, for display: objects with
         a `shape`, of which a window is read by index. Contours are found in `values`.
+    window : tuple of float, optional
+        Gray levels that the file asks to show as black and as white, as DICOM does; None where it does not.
     color : {"luminance", "red", "green", "blue", "contrast"}, optional
         How gray levels are made of color, as in `load_image`: brightness to the eye, one of its channels, or
         the channel whose gray levels vary the most. With the luminance the image keeps its colors, so that
@@ -126,6 +131,7 @@ class Image(drawing.Pictured):
     color: InitVar[str] = LUMINANCE_CHOICE
     hounsfield: bool | None = None
     finer: tuple[Any, ...] = ()
+    window: tuple[float, float] | None = None
 
     def __post_init__(self, color: str) -> None:
         check_color_choice(color)
@@ -212,16 +218,24 @@ class Image(drawing.Pictured):
         """Least and largest gray level."""
         return float(self.stored.min()), float(self.stored.max())
 
-    @property
+    @cached_property
+    def shown_range(self) -> tuple[float, float]:
+        """Gray levels that are shown as black and as white: all but hot pixels and padding far from all others."""
+        return self.gray_range if self.colors is not None else find_shown_range(self.stored)
+
+    @cached_property
     def is_ct(self) -> bool:
         """Whether gray levels are Hounsfield units: by the file, or by a place in space and the gray level of air.
 
-        Air has -1000 units. Outside of the scanner's circle the least level is at most as low as 12 bits of them.
+        Air has -1000 units. Outside of the scanner's circle the least level is at most as low as 12 bits of them. One
+        below that of air which no other below 0 follows is padding.
         """
         if self.hounsfield is not None or self.geometry is None or self.colors is not None:
             return bool(self.hounsfield)
-        lowest, highest = _CT_AIR_RANGE
-        return lowest <= self.gray_range[0] <= highest
+        (lowest, highest), darkest = _CT_AIR_RANGE, self.shown_range[0]
+        if not lowest <= darkest <= highest:
+            return False
+        return darkest >= _CT_AIR or bool(self.stored.min(where=self.stored > darkest, initial=0) < 0)
 
     def with_spacing(self, spacing: Sides, unit: str | None, factor: float = 1.0) -> Image:
         """Return the image with another size of a pixel and shared gray levels; ValueError as for an image.

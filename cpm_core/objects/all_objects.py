@@ -1,12 +1,14 @@
-"""All objects of an image: of the regions that contours bound, and what the network makes of them, the likeliest.
+"""All objects of an image: of the regions that edges bound, and what the network makes of them, the likeliest.
 
 Each region that may be an object, and what the network changes it to, is a candidate with a probability. The likeliest
 one is an object; then the likeliest of those that do not overlap with it, and so on. For what an unambiguous contour
-encloses without a neck the odds are the geometric mean of those of a region and of an object that was selected.
+encloses without a neck the odds are the geometric mean of those of a region and of an object that was selected. Then
+the probabilities are corrected by how much each candidate resembles the others, and all is done once more.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -15,21 +17,30 @@ import scipy
 
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import bounding_window, expand_window
+from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Callback, Mask
 from cpm_core.objects.candidate_regions import CandidateRegions, is_brighter_outside
 from cpm_core.objects.confidence import (
     ConfidenceFeatures,
     RegionFeatures,
+    estimate_among_siblings,
     estimate_confidence,
     estimate_region_confidence,
 )
-from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
+from cpm_core.objects.image_parts import ImageParts
+from cpm_core.objects.merged_basins import MIN_OBJECT_AREA, find_largest_component
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.region_evidence import RegionEvidence, find_largest_component
+from cpm_core.objects.region_evidence import RegionEvidence
 from cpm_core.objects.selection import Candidate, Selection
 
 _MIN_CONFIDENCE = 0.05
 """Least probability that an object is correct."""
+
+_MIN_RELATIVE_CONFIDENCE = 0.15
+"""Least such probability, as a fraction of the likeliest object's: beside a leaf, textures of the soil are none."""
+
+_MIN_SIBLING_CONFIDENCE = 0.3
+"""Least probability of an object beside which others are judged."""
 
 _MIN_CERTAIN_CONFIDENCE = 0.3
 """Least probability with which a region may lie between objects whose edges rise the other way."""
@@ -77,22 +88,28 @@ def find_objects_in_parts(parts: ImageParts, check: Callback = lambda: None) -> 
 
 def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> list[Candidate]:
     """Find the objects of `find_objects_everywhere`, without their outlines."""
-    evidence = RegionEvidence(parts.partition)
-    candidates = list(predict_candidates(parts, evidence, check))
+    evidence = RegionEvidence(parts)
+    candidates = predict_candidates(evidence, check)
     features = evidence.measure_candidates(candidates)
     return choose_objects(map(rate_candidate, candidates, features), parts.partition.values)
 
 
-def predict_candidates(
-    parts: ImageParts, evidence: RegionEvidence, check: Callback = lambda: None
-) -> Iterator[Candidate]:
+def predict_candidates(evidence: RegionEvidence, check: Callback = lambda: None) -> list[Candidate]:
     """Predict the candidates for the objects of an image."""
-    found = CandidateRegions.from_parts(parts)
-    for region in found.regions:
-        check()
-        for one in evidence.predict_candidates(region):
-            if one.region.size >= MIN_OBJECT_AREA and found.may_be_object(one.region):
-                yield one
+    found = CandidateRegions.from_parts(evidence.parts)
+    predicted: list[list[Candidate]] = [[] for _ in found.regions]
+
+    def predict(first: int, end: int) -> None:
+        for number in range(first, end):
+            check()
+            predicted[number] = list(evidence.predict_candidates(found.regions[number]))
+
+    run_in_parallel(predict, len(predicted), 1)
+    return [
+        one
+        for one in itertools.chain.from_iterable(predicted)
+        if one.region.size >= MIN_OBJECT_AREA and found.may_be_object(one.region)
+    ]
 
 
 def rate_candidate(candidate: Candidate, features: RegionFeatures) -> Candidate:
@@ -109,10 +126,39 @@ def rate_candidate(candidate: Candidate, features: RegionFeatures) -> Candidate:
 
 
 def choose_objects(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
-    """Choose objects among the candidates of an image, shape (H, W); the likeliest come first."""
+    """Choose objects among the candidates of an image, shape (H, W); the likeliest come first.
+
+    Objects of an image resemble each other: those chosen first tell how likely each candidate is beside them, and
+    then all are chosen once more.
+    """
+    rated = list(rated)
+    among = [
+        one._replace(confidence=estimate_among_siblings(one.confidence, *weights))
+        for one, weights in zip(rated, weigh_siblings(rated, values), strict=True)
+    ]
+    return _choose_likeliest(among, values)
+
+
+def weigh_siblings(rated: list[Candidate], values: Array) -> Iterator[tuple[float, float]]:
+    """Weigh the likely objects beside each candidate: with a sign that says whether edges rise alike, and without."""
+    likely = [found for found in _choose_likeliest(rated, values) if found.confidence >= _MIN_SIBLING_CONFIDENCE]
+    rises = [is_brighter_outside(found.region, values) for found in likely]
+    for region in (one.region for one in rated):
+        apart = [
+            (found.confidence**2, rise)
+            for found, rise in zip(likely, rises, strict=True)
+            if region.count_shared(found.region) <= _MAX_OVERLAP * min(region.size, found.region.size)
+        ]
+        own = bool(apart) and is_brighter_outside(region, values)
+        yield sum(weight if rise == own else -weight for weight, rise in apart), sum(weight for weight, _ in apart)
+
+
+def _choose_likeliest(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
+    """Choose the likeliest candidate, the likeliest of those that do not overlap with it, and so on."""
     chosen: list[Candidate] = []
     for one in sorted(rated, key=lambda one: -one.confidence):
-        if one.confidence < _MIN_CONFIDENCE:
+        likeliest = chosen[0].confidence if chosen else 0.0
+        if one.confidence < max(_MIN_CONFIDENCE, _MIN_RELATIVE_CONFIDENCE * likeliest):
             break
         region = _fit_between(one, [found.region for found in chosen], values)
         if region is not None:
@@ -127,7 +173,7 @@ def _fit_between(candidate: Candidate, chosen: list[Region], values: Array) -> R
         return None
     rest = region
     for other in chosen:
-        both = region.shared_with(other).size
+        both = region.count_shared(other)
         if both > _MAX_OVERLAP * min(region.size, other.size):
             nested = confidence >= _MIN_NESTED_CONFIDENCE and _is_nested(region, other)
             if not nested or is_brighter_outside(region, values) != is_brighter_outside(other, values):
@@ -151,7 +197,7 @@ def _is_background(region: Region, chosen: list[Region], values: Array) -> bool:
 
 def _is_nested(one: Region, two: Region) -> bool:
     """Return whether one of two regions that overlap lies deep in the other."""
-    both = one.shared_with(two).size
+    both = one.count_shared(two)
     small, large = (one, two) if one.size < two.size else (two, one)
     if both < _MIN_NESTED_SHARE * small.size or both > _MAX_NESTED_AREA * large.size:
         return False

@@ -1,13 +1,14 @@
-"""Regions of an image that contours bound, each of which may be an object.
+"""Regions of an image, each of which may be an object.
 
 They are what closed contours enclose, what several contours enclose that meet, parts between contours with gaps, and
-the bodies of each of these on both sides of a neck. Most are no objects, and many nearly the same.
+merged basins of the edge map. Most are no objects, and many nearly the same.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import scipy
@@ -15,14 +16,28 @@ import skimage
 
 from cpm_core.contours.faces import find_faces
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import expand_window
+from cpm_core.numerics.grids import Window, expand_window
 from cpm_core.numerics.types import Array, Mask, record
 from cpm_core.objects.boundaries.necks import split_at_necks
-from cpm_core.objects.image_parts import MIN_OBJECT_AREA, ImageParts
+from cpm_core.objects.image_parts import ImageParts
+from cpm_core.objects.merged_basins import MIN_OBJECT_AREA
+from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Candidate
 
 _MAX_REGION_SHARE = 0.9
 """Largest share of the image that a region covers."""
+
+_MAX_WHOLE_SHARE = 0.4
+"""Largest share of the image that an enclosed region covers whose parts only contours bound."""
+
+_MIN_WHOLE_AREA = 1.2
+"""Least area of a region, in areas of a part of it."""
+
+_PART_SHARE = 0.7
+"""Share of a part that lies in it."""
+
+_MIN_JOINED_SHARE = 0.25
+"""Least share of a region that an enclosed one covers which was joined to others."""
 
 _SAME_REGION_IOU = 0.9
 """Overlap (intersection over union) above which two regions are the same."""
@@ -104,15 +119,20 @@ class CandidateRegions:
         partition = parts.partition
         whole = partition.shape if partition.parent is None else partition.parent.shape
         found = cls([], [], partition.values, partition.interest)
-        bounded = list(_find_bounded_regions(parts))
+        enclosed = list(_find_enclosed_regions(parts))
+        bounded = [*enclosed, *_fill_masks(parts.masks, partition)]
         for region in sorted((one.region for one in bounded), key=lambda one: -one.size):
             if _is_pierced(region, partition.values) and found.may_be_object(region):  # no hole of a larger one
                 found.pierced.append(region)
-        for one in bounded:
-            found._add_region(one, _MAX_REGION_SHARE * math.prod(whole))
-        for one in tuple(found.regions):
-            for body in split_region(one.region):
-                found._add_region(Candidate(body), _MAX_REGION_SHARE * math.prod(whole))
+        pixels = math.prod(whole)
+        outer = [one.region for one in enclosed if one.region.size <= _MAX_WHOLE_SHARE * pixels]
+        merged = (
+            one
+            for one in _fill_masks(parts.merged_masks, partition)
+            if not any(_is_part_of(one.region, other) or _is_joined_from(one.region, other) for other in outer)
+        )
+        for one in itertools.chain(bounded, merged):
+            found._add_region(one, _MAX_REGION_SHARE * pixels)
         return found
 
     def _add_region(self, candidate: Candidate, most: float) -> None:
@@ -131,12 +151,12 @@ class CandidateRegions:
             return False
         for other in self.pierced:
             filled = other.filled
-            inside = region.shared_with(filled).size
+            inside = region.count_shared(filled)
             if not inside:
                 continue
             if region.compute_iou(filled) > max(region.compute_iou(other), _FILLED_IOU):
                 return False
-            in_holes = inside - region.shared_with(other).size
+            in_holes = inside - region.count_shared(other)
             if in_holes > _HOLE_SHARE * region.size and (
                 is_brighter_outside(region, self.values) != is_brighter_outside(other, self.values)
             ):
@@ -159,8 +179,18 @@ def _is_pierced(region: Region, values: Array) -> bool:
     return abs(seen - outer) < _MAX_HOLE_DIFFERENCE * abs(seen - inner)
 
 
-def _find_bounded_regions(parts: ImageParts) -> Iterator[Candidate]:
-    """Find all that contours bound, with duplicates."""
+def _is_part_of(part: Region, whole: Region) -> bool:
+    """Return whether a region lies in another that is larger."""
+    return whole.size >= _MIN_WHOLE_AREA * part.size and part.count_shared(whole) >= _PART_SHARE * part.size
+
+
+def _is_joined_from(whole: Region, part: Region) -> bool:
+    """Return whether another region, and not merely a small one, lies in a region."""
+    return part.size >= _MIN_JOINED_SHARE * whole.size and _is_part_of(part, whole)
+
+
+def _find_enclosed_regions(parts: ImageParts) -> Iterator[Candidate]:
+    """Find all that contours enclose, alone or where several meet, with duplicates."""
     partition = parts.partition
     for mask in partition.find_unambiguous_objects():
         yield Candidate(Region.from_mask(mask), unambiguous=True)
@@ -176,7 +206,11 @@ def _find_bounded_regions(parts: ImageParts) -> Iterator[Candidate]:
                 if _is_pierced(one, partition.values)
             )
             yield from map(Candidate, pierced)
-    for box, mask in parts.masks:
+
+
+def _fill_masks(masks: Iterable[tuple[Window, Mask]], partition: Partition) -> Iterator[Candidate]:
+    """Fill masks in boxes, except a hole through which the surroundings are seen, where they hold pixels."""
+    for box, mask in masks:
         inside = mask & partition.interest[box]
         if inside.any():
             part = Region.from_mask(inside, [side.start for side in box])
@@ -198,12 +232,10 @@ def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[Region]:
         yield Region.from_mask(mask, corner)
 
 
-def split_region(region: Region) -> Iterator[Region]:
-    """Split a region at its necks into bodies that may be objects; yields nothing where it has no neck."""
+def has_neck(region: Region) -> bool:
+    """Return whether a region has a neck between two bodies that may be objects."""
     least = max(MIN_OBJECT_AREA, _MIN_BODY_SHARE * region.size)
     if region.size < 2 * MIN_OBJECT_AREA:
-        return
-    bodies = split_at_necks(np.pad(region.mask, 1))[1:-1, 1:-1]
-    large = np.flatnonzero(np.bincount(bodies.ravel())[1:] >= least) + 1
-    for number in large.tolist() if len(large) > 1 else ():
-        yield Region.from_mask(bodies == number, region.origin)
+        return False
+    bodies = split_at_necks(np.pad(region.mask, 1))
+    return bool(np.count_nonzero(np.bincount(bodies.ravel())[1:] >= least) > 1)

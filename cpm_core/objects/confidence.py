@@ -24,11 +24,14 @@ CORRECT_IOU = 0.8
 _MAX_CONFIDENCE = 0.98
 """Largest probability, and largest overlap that a feature counts."""
 
-_LARGE_AREA = 1100.0
+LARGE_AREA = 1100.0
 """Area above which a larger one makes no difference [px²]."""
 
-_FAINT = 0.005
+FAINT = 0.005
 """Strength and variation below which a smaller one makes little difference."""
+
+_FEW_SIBLINGS = 0.5
+"""Weight of siblings from which more of them make little difference."""
 
 _MAX_INSIDE = 3.0
 """Strength of the inside above which a larger one makes no difference."""
@@ -112,8 +115,8 @@ def estimate_confidence(signs: ConfidenceFeatures) -> float:
 def encode_region(signs: RegionFeatures) -> Array:
     """Encode the features of a region as inputs of the logistic regression, shape (13,)."""
     shares = scipy.special.logit(np.clip(signs[:3], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
-    rest = signs.solidity, signs.border_share, np.log(signs.strength + _FAINT), signs.weakest
-    size = np.log(min(signs.area, _LARGE_AREA))
+    rest = signs.solidity, signs.border_share, np.log(signs.strength + FAINT), signs.weakest
+    size = np.log(min(signs.area, LARGE_AREA))
     inner = min(signs.inside, _MAX_INSIDE)
     return np.array(
         [
@@ -122,7 +125,7 @@ def encode_region(signs: RegionFeatures) -> Array:
             size,
             *rest,
             inner,
-            np.log(signs.variation + _FAINT),
+            np.log(signs.variation + FAINT),
             signs.unambiguous,
             signs.has_neck,
         ]
@@ -135,8 +138,28 @@ def estimate_region_confidence(signs: RegionFeatures) -> float:
     return min(float(scipy.special.expit(np.array(weights) @ encode_region(signs) + offset)), _MAX_CONFIDENCE)
 
 
+def encode_siblings(confidence: float, agreement: float, amount: float) -> Array:
+    """Encode what the siblings of a region say as inputs of the logistic regression, shape (3,)."""
+    return np.array([scipy.special.logit(confidence), *np.array([agreement, amount]) / (amount + _FEW_SIBLINGS)])
+
+
+def estimate_among_siblings(confidence: float, agreement: float, amount: float) -> float:
+    """Estimate the probability that a region found everywhere is an object beside others that are likely.
+
+    Parameters
+    ----------
+    confidence : float
+        The probability without them.
+    agreement, amount : float
+        Sum of their weights, negative for those at whose edges the gray levels change the other way; without a sign.
+    """
+    *weights, offset = _load_weights("confidence_everywhere.json", "siblings")
+    odds = np.array(weights) @ encode_siblings(confidence, agreement, amount) + offset
+    return min(float(scipy.special.expit(odds)), _MAX_CONFIDENCE)
+
+
 @cache
-def _load_weights(name: str) -> tuple[float, ...]:
+def _load_weights(name: str, rule: str = "numbers") -> tuple[float, ...]:
     """Load the weights of a rule, and last its offset, from a file of this folder."""
     stored = json.loads(files("cpm_core.objects").joinpath(name).read_text("utf-8"))
-    return tuple(stored["numbers"])
+    return tuple(stored[rule])

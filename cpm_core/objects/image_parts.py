@@ -10,19 +10,19 @@ import numpy as np
 import scipy
 import skimage
 
+from cpm_core.field.edge_map import edge_map
 from cpm_core.numerics.grids import Window, running_maximum
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.objects.boundaries.crossings import find_crossings
+from cpm_core.objects.merged_basins import MIN_OBJECT_AREA, MergedBasins
 from cpm_core.objects.partition import Partition
+from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
 
 _MIN_GAP_DEPTH = 0.75
 """How much deeper parts are than the gap between them [px]."""
 
 _MIN_PART_DEPTH = 1.5
 """Least depth of a part [px]."""
-
-MIN_OBJECT_AREA = 30
-"""Least area of an object [px²]."""
 
 _MAX_PART_SHARE = 0.4
 """Largest share of the image that a part covers."""
@@ -35,6 +35,9 @@ _MIN_VISIBLE_CONTOUR_SHARE = 0.3
 
 _DEPTH_BLUR_REACH = 4.0
 """Distance up to which other pixels influence the smoothed distance of a pixel from the contours [px]."""
+
+_MIN_GRAY_SPAN = 1e-6
+"""Least difference between white and black."""
 
 _CONTEXT_LENGTHS = 0.75
 """Distance from the middle of an object up to which the network sees its surroundings, in object lengths."""
@@ -61,6 +64,8 @@ class ImageParts:
         The two parts at each link between pixels of different parts, in both directions.
     may_change : ndarray of bool, shape (N + 1,)
         Which parts may look different in the larger image around this one; see `ParentImage`.
+    lines : ndarray of bool, shape (H, W)
+        Pixels that contours cross.
     """
 
     partition: Partition
@@ -70,6 +75,7 @@ class ImageParts:
     link_part: Index
     link_neighbor: Index
     may_change: Mask
+    lines: Mask
 
     @classmethod
     def from_partition(cls, partition: Partition) -> ImageParts:
@@ -77,7 +83,7 @@ class ImageParts:
         shape, none = partition.shape, np.zeros(0, np.int64)
         if not partition.uses_network or not partition.contours:
             labels, count = np.ones(shape, np.int64), np.array([0, math.prod(shape)])
-            return cls(partition, labels, count, np.zeros(2), none, none, np.zeros(2, bool))
+            return cls(partition, labels, count, np.zeros(2), none, none, np.zeros(2, bool), np.zeros(shape, bool))
         lines = find_crossings([contour.path for contour in partition.contours], shape).pixels
         depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(~lines), 1.0)
         tops = skimage.morphology.h_maxima(depth, _MIN_GAP_DEPTH)  # type: ignore[no-untyped-call]
@@ -96,7 +102,7 @@ class ImageParts:
         ends = np.array(_find_inner_borders(partition))
         cut = np.zeros(len(pixels), bool)
         cut[labels[depth + _DEPTH_BLUR_REACH > _measure_border_distance(shape, ends)]] = True
-        return cls(partition, labels, pixels, bounded, one, other, cut)
+        return cls(partition, labels, pixels, bounded, one, other, cut, lines)
 
     @cached_property
     def _may_be_object(self) -> Mask:
@@ -118,6 +124,34 @@ class ImageParts:
         for number in np.flatnonzero(self._may_be_object & ~self.may_change).tolist():
             box = self._boxes[number - 1]
             yield box, self.labels[box] == number
+
+    @cached_property
+    def edge_strength(self) -> Array:
+        """Edge map by which boundaries are judged, shape (H, W)."""
+        parent = self.partition.parent
+        return edge_map(self.partition.values, "auto" if parent is None else parent.smoothing)
+
+    @cached_property
+    def gray_span(self) -> float:
+        """Difference of the gray levels that are black and white for the network."""
+        parent, values = self.partition.parent, self.partition.values
+        step = find_sample_step(values.shape)
+        low, high = measure_gray_range(values[::step, ::step]) if parent is None else parent.gray_range
+        return max(high - low, _MIN_GRAY_SPAN)
+
+    @property
+    def merged_masks(self) -> Iterator[tuple[Window, Mask]]:
+        """What merged basins may be objects and would be the same in a larger image: boxes, and pixels there."""
+        basins = MergedBasins.from_edges(self.edge_strength, running_maximum(self.lines, 1), self.gray_span)
+        for box, mask in basins.find_regions(self.partition.values, self.gray_span):
+            if self._is_seen_whole(box):
+                yield box, mask
+
+    def _is_seen_whole(self, box: Window) -> bool:
+        """Return whether what is in a box ends within the image, or where the larger image around it ends."""
+        first = [side.start == 0 for side in box]
+        last = [side.stop == n for side, n in zip(box, self.partition.shape, strict=True)]
+        return not (np.array([first, last]) & _find_inner_borders(self.partition)).any()
 
     def is_settled(self, core: Window) -> bool:
         """Return whether the objects that touch the pixels of a window would be the same in a larger image."""

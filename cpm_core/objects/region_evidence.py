@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property
 
 import numpy as np
 import scipy
 import skimage
 
-from cpm_core.field.edge_map import edge_map
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import Window, expand_window
-from cpm_core.numerics.types import Array, Extent, Mask, record
-from cpm_core.objects.candidate_regions import split_region
+from cpm_core.numerics.types import Extent, Mask, record
+from cpm_core.objects.candidate_regions import has_neck
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures
+from cpm_core.objects.image_parts import ImageParts
+from cpm_core.objects.merged_basins import find_largest_component
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
 from cpm_core.objects.selection import Candidate
 
 _MARGIN = 5
@@ -44,11 +43,16 @@ class RegionEvidence:
 
     Attributes
     ----------
-    partition : Partition
-        The image.
+    parts : ImageParts
+        The image with its contours.
     """
 
-    partition: Partition
+    parts: ImageParts
+
+    @property
+    def partition(self) -> Partition:
+        """The image."""
+        return self.parts.partition
 
     def predict_candidates(self, bounded: Candidate) -> Iterator[Candidate]:
         """Predict by the network how likely a region is, and, unless that is exact, what it would change it to."""
@@ -80,7 +84,7 @@ class RegionEvidence:
         """Measure a candidate whose pixels others hold with a likelihood that is larger by `rivalry`."""
         region, partition = candidate.region, self.partition
         window = expand_window(region.window, _MARGIN, partition.shape)
-        mask, values, strength = region.cut_out(window), partition.values[window], self._edge_strength[window]
+        mask, values, strength = region.cut_out(window), partition.values[window], self.parts.edge_strength[window]
         inside = scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"))[1:-1, 1:-1]
         rim, deep = (inside > 0.0) & (inside <= 1.0), strength[inside > _INNER_DEPTH]
         border = _count_border_pixels(mask, window, partition.shape)
@@ -97,27 +101,13 @@ class RegionEvidence:
             region.size,
             solidity,
             border / (border + along.size),
-            float(along.mean()) / self._gray_span if along.size else 0.0,
+            float(along.mean()) / self.parts.gray_span if along.size else 0.0,
             weak / max(usual, _TINY),
             float(np.percentile(deep, _STRONG_PERCENTILE)) / max(usual, _TINY) if deep.size else 1.0,
-            float(values[mask].std()) / self._gray_span,
+            float(values[mask].std()) / self.parts.gray_span,
             candidate.unambiguous,
-            bool(solidity < _NECK_SOLIDITY) and any(split_region(region)),
+            bool(solidity < _NECK_SOLIDITY) and has_neck(region),
         )
-
-    @cached_property
-    def _edge_strength(self) -> Array:
-        """Edge map by which boundaries are judged, shape (H, W)."""
-        parent = self.partition.parent
-        return edge_map(self.partition.values, "auto" if parent is None else parent.smoothing)
-
-    @cached_property
-    def _gray_span(self) -> float:
-        """Difference of the gray levels that are black and white for the network."""
-        parent, values = self.partition.parent, self.partition.values
-        step = find_sample_step(values.shape)
-        low, high = measure_gray_range(values[::step, ::step]) if parent is None else parent.gray_range
-        return max(high - low, _TINY)
 
 
 def _count_border_pixels(mask: Mask, window: Window, shape: Extent) -> int:
@@ -128,11 +118,3 @@ def _count_border_pixels(mask: Mask, window: Window, shape: Extent) -> int:
         lines[0] |= side.start == 0
         lines[-1] |= side.stop == n
     return int(np.count_nonzero(on & mask))
-
-
-def find_largest_component(mask: Mask) -> Mask:
-    """Find the largest connected part of a mask."""
-    parts, _ = scipy.ndimage.label(mask)
-    sizes = np.bincount(parts.ravel())
-    sizes[0] = 0
-    return parts == sizes.argmax()

@@ -10,8 +10,8 @@ import scipy
 from cpm_core.objects.all_objects import build_proposal
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
+from cpm_core.objects.merged_basins import find_largest_component
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.region_evidence import find_largest_component
 from cpm_core.objects.selection import Selection
 
 _SIZE_RANGE = (0.2, 4.0)

@@ -27,6 +27,7 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
+from cpm_core.objects.background import lies_in_background
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -113,8 +114,12 @@ class VolumePartition:
     ((31, 31, 31), 1, [1], '')
     >>> len(bodies.find_candidates([(15, 15, 15)]))
     1
-    >>> bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
+    >>> chosen = bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
+    >>> chosen
     <Selection ball, 1 part>
+    >>> half = bodies.remove_pixels(chosen, np.indices((31, 31, 31))[0] > 15)
+    >>> [float(row) for row, *_ in half.region.bounds]
+    [6.0, 15.0]
     """
 
     image: Image
@@ -184,7 +189,7 @@ class VolumePartition:
         Returns
         -------
         Selection
-            Empty when no positive point lies in a body.
+            Empty when no positive point lies in a body, or the first one in nothing but background.
 
         Raises
         ------
@@ -213,6 +218,10 @@ class VolumePartition:
             found = self._build_selection(self.extract_boundary(chosen), within, beyond, remark)
         else:
             found = self._select_by_network(within, beyond, previous, painted)
+            begins = previous is None or not previous.has_boundary
+            surface = found.surface
+            if begins and surface is not None and lies_in_background(self.image.values, within[0], surface):
+                found = self._build_selection(None, within, beyond, found.remark)
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
     def find_candidates(

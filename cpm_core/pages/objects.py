@@ -118,13 +118,13 @@ class ObjectFollower:
         before, now = [one.select_boundary(taken) for one in sought], [_find_outer_contour(one) for one in found]
         contours, events = Tracker(before, self._tracks).assign_tracks(number, now, page.shape)
         origins = find_origins(events)
-        begun = {event.track for event in events if event.kind == "begins"}
+        begun = {event.track for event in events if event.kind in ("begins", "enters")}
         kept = [
             FollowedObject(contour.number, origins.get(contour.number, contour.number), one)
             for contour, one in zip(contours, found, strict=True)
             if contour.number not in begun
         ]
-        return tuple(sorted(kept, key=lambda one: one.number)), tuple(one for one in events if one.kind != "begins")
+        return tuple(sorted(kept, key=lambda one: one.number)), tuple(one for one in events if one.track not in begun)
 
 
 def follow_objects(

@@ -13,7 +13,7 @@ from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.numerics.grids import rank_values
 from cpm_core.numerics.types import Integers, JsonObject, frozen, record
-from cpm_core.pages.tracks import TrackEvent, find_origins
+from cpm_core.pages.tracks import EventKind, TrackEvent, find_origins
 from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.results.result import Result
 
@@ -35,7 +35,7 @@ class Page:
     result : Result or None
         Its contours, whose numbers are their tracks, without the image; None for a page that could not be used.
     events : tuple of TrackEvent
-        Which tracks begin, split, merge, end or leave the image here.
+        Which tracks begin, enter or leave the image, split, merge or end here.
     error : str
         Why the page could not be used, in one sentence; empty if it could.
 
@@ -103,8 +103,20 @@ class StackResult:
                 on.setdefault(contour.number, {})[page.number] = None
         events = [event for page in self.pages for event in page.events]
         origins = find_origins(events)
+        begun: dict[int, EventKind] = dict.fromkeys(origins, "splits")
+        begun |= {event.track: event.kind for event in events if event.kind in ("begins", "enters")}
         ends = {event.track: event for event in events if event.kind in ("merges", "ends", "leaves")}
-        return tuple(Track(track, tuple(on[track]), origins.get(track, 0), ends.get(track)) for track in sorted(on))
+        first = min((page for pages in on.values() for page in pages), default=0)
+        return tuple(
+            Track(
+                track,
+                tuple(pages),
+                origins.get(track, 0),
+                None if first in pages else begun.get(track, "begins"),
+                ends.get(track),
+            )
+            for track, pages in sorted(on.items())
+        )
 
 
 @frozen
@@ -119,6 +131,8 @@ class Track:
         Pages that it is on, in the order in which they were followed.
     origin : int
         The track that it split off; 0 for none.
+    begin : {"begins", "enters", "splits"} or None
+        How it came into being; None when it is on the first page that has any.
     end : TrackEvent or None
         How it came to its end; None when it is on the last page.
     """
@@ -126,6 +140,7 @@ class Track:
     number: int
     pages: Integers
     origin: int
+    begin: EventKind | None
     end: TrackEvent | None
 
 

@@ -28,11 +28,12 @@ MIN_PART_FRACTION = 0.5
 _BORDER_TOLERANCE = 3.0
 """Distance from the border of the image up to which a contour touches it [px]."""
 
-EventKind = Literal["begins", "splits", "merges", "ends", "leaves"]
+EventKind = Literal["begins", "enters", "splits", "merges", "ends", "leaves"]
 """What happens to a track."""
 
 _EVENT_SENTENCES: dict[EventKind, str] = {
     "begins": "track {track} begins",
+    "enters": "track {track} enters the image",
     "splits": "track {others} splits off track {track}",
     "merges": "track {track} merges into track {others}",
     "ends": "track {track} ends",
@@ -46,9 +47,9 @@ class TrackEvent:
 
     Attributes
     ----------
-    kind : {"begins", "splits", "merges", "ends", "leaves"}
-        What happens: the track begins; others split off it; it merges into another; it ends, inside the image or at its
-        border.
+    kind : {"begins", "enters", "splits", "merges", "ends", "leaves"}
+        What happens: the track begins, inside the image or at its border; others split off it; it merges into another;
+        it ends, inside the image or at its border.
     page : int
         The page, from 1; for a track that has ended, the first page without it.
     track : int
@@ -145,9 +146,7 @@ class Tracker:
                 heir = max(into, key=lambda one: part[index, one])
                 yield TrackEvent("merges", page, contour.number, (now[heir].number,))
             else:
-                low, high = contour.box
-                outside = (low < _BORDER_TOLERANCE).any() or (high > np.array(shape) - 1.0 - _BORDER_TOLERANCE).any()
-                yield TrackEvent("leaves" if outside else "ends", page, contour.number)
+                yield TrackEvent("leaves" if _touches_border(contour, shape) else "ends", page, contour.number)
         around, split = containment(now), dict[int, list[int]]()
         for index, contour in enumerate(now if self._begun else ()):
             if index in heirs:
@@ -157,9 +156,15 @@ class Tracker:
             if apart:
                 split.setdefault(max(apart, key=lambda then: part[then, index]), []).append(contour.number)
             else:
-                yield TrackEvent("begins", page, contour.number)
+                yield TrackEvent("enters" if _touches_border(contour, shape) else "begins", page, contour.number)
         for then, parts in split.items():
             yield TrackEvent("splits", page, before[then].number, tuple(parts))
+
+
+def _touches_border(contour: Contour, shape: Extent) -> bool:
+    """Return whether a contour touches the border of an image of this shape [px]."""
+    low, high = contour.box
+    return bool((low < _BORDER_TOLERANCE).any() or (high > np.array(shape) - 1.0 - _BORDER_TOLERANCE).any())
 
 
 def measure_overlaps(before: Contours, now: Contours, shape: Extent) -> tuple[Array, Array]:

@@ -210,9 +210,10 @@ class Engine(ImageFields):
         Returns
         -------
         Forces
-            In the order of `index`. As exact as in a step: near pairs in single precision (2e-4 of a unit force). A
-            step also extrapolates the force, eq. (15), integrates the damping exactly and applies friction along the
-            edge at once; these are not forces.
+            In the order of `index`. As exact as in a step: near pairs in single precision (2e-4 of a unit force),
+            distant particles by a mesh that is used for four steps (see `mesh_force`). A step also extrapolates the
+            force, eq. (15), integrates the damping exactly and applies friction along the edge at once; these are not
+            forces.
         """
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
         changed = interventions.apply_interventions(state, state.regions, parameters, charges)

@@ -10,6 +10,7 @@ from types import ModuleType
 from cpm_core.formats.images import (
     dicom,
     dicom_series,
+    dicom_slide,
     metaimage,
     microscopy,
     nifti,
@@ -28,7 +29,7 @@ _READERS: dict[str, tuple[ModuleType, ...]] = {
     "TIFF": (tiff,),
     "CZI, LIF, ND2": (microscopy,),
     "NIfTI, Analyze 7.5": (nifti,),
-    "DICOM": (dicom, dicom_series),
+    "DICOM": (dicom, dicom_series, dicom_slide),
     "NRRD": (nrrd,),
     "MetaImage": (metaimage,),
     "OME-Zarr": (ome_zarr,),

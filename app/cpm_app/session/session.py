@@ -542,7 +542,7 @@ class Session(QObject):
         self.post_command(call_run(None, Run.use_image, self.store.generation, opened.method, opened.parameters))
         # With its own document from the start: the shapes of the previous one may have another number of axes.
         before, document = self.document, _make_first_document(opened, self._mode_before)
-        slices = Slices.through_middle(opened.image.shape)
+        slices = Slices.through_middle(opened.image)
         first = next((shape for shape in document.shapes if isinstance(shape, Sphere)), None)
         if slices is not None and first is not None:
             slices = slices.with_voxel(first.center)

@@ -11,9 +11,9 @@ import shutil
 import stat
 import tempfile
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import IO
+from typing import IO, TypeGuard
 
 import numpy as np
 
@@ -65,6 +65,11 @@ class MissingFileError(FileNotFoundError, ValueError):
     """A file does not exist."""
 
 
+def is_address(source: AnyPath) -> TypeGuard[str]:
+    """Return whether a text is an address of fsspec rather than a path."""
+    return isinstance(source, str) and ("://" in source or "::" in source)
+
+
 def find_local_file(source: AnySource) -> Path:
     """Return the path of a file; of an open file, and of one at an address, a copy that lasts as long as the program.
 
@@ -78,7 +83,7 @@ def find_local_file(source: AnySource) -> Path:
         atexit.register(shutil.rmtree, copy.parent, ignore_errors=True)
         copy.write_bytes(source.read())
         return copy
-    if not isinstance(source, str) or not ("://" in source or "::" in source):
+    if not is_address(source):
         return Path(source)
     try:
         import fsspec  # only here, because most files are local
@@ -124,7 +129,7 @@ def read_content(file: Path, max_size: int = MAX_FILE_SIZE, head_size: int = -1)
 
 
 @contextlib.contextmanager
-def explain_decoding_errors(name: str, fallback: str) -> Iterator[None]:
+def explain_decoding_errors(name: str, fallback: str | Callable[[], str]) -> Iterator[None]:
     """Turn any decoding error into a ValueError that names the file; unknown causes become the sentence `fallback`."""
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -138,7 +143,7 @@ def explain_decoding_errors(name: str, fallback: str) -> Iterator[None]:
         raise ValueError(f"{name} does not fit into memory: crop it or make it smaller first.") from None
     except Exception as error:  # decoders raise exceptions of any kind on damaged files
         _LOG.info("%s: %s: %s", name, type(error).__name__, error)
-        raise ValueError(f"{name} {fallback}") from error
+        raise ValueError(f"{name} {fallback if isinstance(fallback, str) else fallback()}") from error
 
 
 def compute_fingerprint(path: Path, check_cancelled: Callback | None = None) -> str:

@@ -44,7 +44,8 @@ def encode_coco(result: Outcome) -> bytes:
     with nothing inside it is one polygon, or several for an object of several parts. Polygons of this format have no
     holes: an instance with holes, or with other contours in it, is a run-length mask equal to its label in the label
     mask, with its ``outlines`` as polygons and ``holes`` marking those that are holes. ``gross_area`` is the area
-    enclosed by its contours. Open contours are left out. ValueError when no contour is closed.
+    enclosed by its contours, ``score`` the confidence of an object. Open contours are left out. ValueError when no
+    contour is closed.
     """
     rows = measure(result.contours, result.spacing, contrast=False)
     parts: dict[int, list[tuple[Contour, Measures]]] = {}
@@ -78,6 +79,8 @@ def encode_coco(result: Outcome) -> bytes:
         }
         if first.category:
             instance["name"] = first.name
+        if first.confidence is not None:
+            instance["score"] = round(first.confidence, 6)
         if labels is not None and not surrounding.isdisjoint(row.number for _, row in pairs):
             holes = [one for one in result.contours if one.hole and one.group == first.group and len(one.points) > 2]
             mask = labels == label

@@ -225,8 +225,8 @@ def encode_page_vertices(found: StackResult) -> bytes:
     """Tabulate the vertices of the contours on all pages of a stack, one per row.
 
     Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), ``parent`` (track that it
-    split off), ``end`` (how it comes to its end), and those of `encode_vertices` except ``contour``; ``label`` is
-    the label in the label stack: the track, or 0 when open.
+    split off), ``begin`` and ``end`` (how it comes into being and to its end), and those of `encode_vertices` except
+    ``contour``; ``label`` is the label in the label stack: the track, or 0 when open.
     """
     return encode_csv_rows(_build_page_rows(found, _build_vertex_rows), ("page", "track"))
 
@@ -234,8 +234,8 @@ def encode_page_vertices(found: StackResult) -> bytes:
 def encode_page_measures(found: StackResult) -> bytes:
     """Tabulate the measures of the contours on all pages of a stack, one contour per row.
 
-    Columns: ``page``, ``track``, ``parent``, ``end``, ``centroid_row`` and ``centroid_col`` (centroid of the enclosed
-    area, or of the line of an open contour [px]), and those of `encode_measures` except ``contour``, with
+    Columns: ``page``, ``track``, ``parent``, ``begin``, ``end``, ``centroid_row`` and ``centroid_col`` (centroid of the
+    enclosed area, or of the line of an open contour [px]), and those of `encode_measures` except ``contour``, with
     ``mean_gray``; ``label`` is the label in the label stack, and ``inside`` the track of the contour around it.
     """
 
@@ -258,8 +258,8 @@ def _build_page_rows(found: StackResult, build_rows: Callable[[Outcome], list[Ro
             number: Any = row.pop("contour")
             track = tracks[number]
             end = "" if track.end is None else " into ".join(map(str, (track.end.kind, *track.end.others)))
-            place: Row = {"page": page, "track": number, "parent": track.origin or "", "end": end}
-            rows.append(place | row | {"label": number if row["label"] else 0})
+            life: Row = {"parent": track.origin or "", "begin": track.begin or "", "end": end}
+            rows.append({"page": page, "track": number} | life | row | {"label": number if row["label"] else 0})
     return rows
 
 

@@ -48,13 +48,20 @@ def encode_pages_json(found: StackResult) -> bytes:
 
     ``stack`` has its ``name``, the number of its ``pages``, the ``axis`` z, t or c, and the ``drawn`` shapes. Each of
     ``tracks`` has its number, its ``pages``, the track that it split off as ``origin``, 0 for none, and how it
-    ``ends``, null if it does not. Each of ``pages`` has its number, ``trouble`` if it could not be used, ``events``,
-    and the entries that `encode_contour_json` writes for an image; the number of a contour is its track.
+    ``begins`` and ``ends``, null if it is on the first or the last page. Each of ``pages`` has its number, ``trouble``
+    if it could not be used, ``events``, and the entries that `encode_contour_json` writes for an image; the number of a
+    contour is its track.
     """
     stack: JsonDict = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
     stack |= {"drawn": describe_image_provenance(found.source, Provenance(), found.drawn).get("shapes", [])}
     tracks = [
-        {"track": one.number, "pages": list(one.pages), "origin": one.origin, "ends": one.end and one.end.kind}
+        {
+            "track": one.number,
+            "pages": list(one.pages),
+            "origin": one.origin,
+            "begins": one.begin,
+            "ends": one.end and one.end.kind,
+        }
         for one in found.tracks
     ]
     pages = list(map(page_to_json, found.pages))

@@ -74,6 +74,8 @@ def _build_measurements(contour: Contour, row: Measures, unit: str | None) -> di
         found["Contrast"] = row.contrast
     if contour.group:
         found["Bridged px"] = contour.bridged
+    if contour.confidence is not None:
+        found["Confidence"] = contour.confidence
     return {name: round(value, 6) for name, value in found.items()}
 
 

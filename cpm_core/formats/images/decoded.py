@@ -42,6 +42,8 @@ class DecodedImage:
         Position in space; None when the file does not state it.
     finer : tuple
         As in `Image.finer`.
+    window : tuple of float or None
+        As in `Image.window`.
     """
 
     values: Numbers
@@ -52,6 +54,7 @@ class DecodedImage:
     geometry: Geometry | None = None
     hounsfield: bool | None = None
     finer: tuple[Any, ...] = ()
+    window: tuple[float, float] | None = None
 
 
 def check_pixel_count(name: str, rows: int, columns: int) -> None:

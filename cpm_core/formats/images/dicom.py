@@ -1,4 +1,4 @@
-"""DICOM: single images, series in time and volumes in one file, and series of slices in a folder, read by pydicom."""
+"""DICOM: single images, series in time, volumes in one file, slices in a folder, and slides, read by pydicom."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ from cpm_core.formats.common.content import UnreadableError, read_content
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count, decode_bands, decode_samples
 from cpm_core.formats.images.dicom_series import DicomFrame, group_series, read_file_frames
+from cpm_core.formats.images.dicom_slide import open_slide
 from cpm_core.formats.images.reading import Reading, select_series
-from cpm_core.formats.images.stack import Stack, stack_planes
+from cpm_core.formats.images.stack import Stack, stack_from_levels, stack_planes
 from cpm_core.image.gray_levels import NO_DATA_VALUE
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Numbers, Texts
@@ -127,9 +128,13 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         When no file holds an image.
     """
     name = make_printable(path.name)
-    frames, damaged = read_frames(path)
+    frames, unread = read_frames(path)
     if not frames:
-        raise UnreadableError(f"{name} contains no DICOM image: choose another file or folder.")
+        folder = path if path.is_dir() else path.parent
+        levels = open_slide(name, path, _list_dicom_files(folder) or _find_dicom_files_below(folder), reading)
+        if levels is None:
+            raise UnreadableError(f"{name} contains no DICOM image: choose another file or folder.")
+        return stack_from_levels(levels)
 
     groups = group_series(frames, name, partial(decode_frames, name))
     series = sorted((one for group in groups for one in group), key=lambda one: (one.series, -one.shape[0]))
@@ -143,13 +148,13 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         if chosen.shape[0] < MINIMUM_SIDE and chosen.times == 1 and chosen.volume_range is None:
             differ = f"Its {len(frames)} images have {len(groups)} different sizes, directions or series."
             chosen = replace(chosen, volume_range=(0, chosen.shape[0]), volume_notes=(differ,))
-    if damaged:
-        notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
+    if unread:
+        notes.append(f"{unread} of its files {'was' if unread == 1 else 'were'} left out, which cannot be read.")
     return replace(chosen, series=titles, series_number=number, notes=(*notes, *chosen.notes))
 
 
 def read_frames(path: Path) -> tuple[list[DicomFrame], int]:
-    """Read the frames of a file, or of all files of a folder, and count the damaged files.
+    """Read the frames of a file, or of all files of a folder, and count those that cannot be read.
 
     A folder without any, and a DICOMDIR, stand for all files in the folders below.
     """
@@ -162,24 +167,24 @@ def read_frames(path: Path) -> tuple[list[DicomFrame], int]:
         folder = path.parent
     else:
         folder = path
-        frames, damaged = _read_frames_of(_list_dicom_files(folder))
+        frames, unread = _read_frames_of(_list_dicom_files(folder))
         if frames:
-            return frames, damaged
+            return frames, unread
     return _read_frames_of(_find_dicom_files_below(folder))
 
 
 def _read_frames_of(files: Iterable[Path]) -> tuple[list[DicomFrame], int]:
-    """Read the frames of files, and count the damaged files."""
+    """Read the frames of files, and count those that cannot be read."""
     import pydicom
 
     frames: list[DicomFrame] = []
-    damaged = 0
+    unread = 0
     for file in files:
         try:
             frames += read_file_frames(pydicom, file)
         except Exception:
-            damaged += 1
-    return frames, damaged
+            unread += 1
+    return frames, unread
 
 
 def _is_directory_of_files(path: Path) -> bool:
@@ -231,12 +236,16 @@ def _decode_frame(dataset: Any, frame: DicomFrame, name: str) -> DecodedImage:
         return decode_samples(stored[..., :3], white=2.0**bits - 1.0)
     values: Numbers = stored
     notes: Texts = ()
+    window = frame.window
     if colors == "MONOCHROME1":
         ends = -1 if int(dataset.get("PixelRepresentation", 0)) else 2**bits - 1
         values, notes = ends - stored.astype(np.int64), ("It counts from white to black and was inverted.",)
+        if window is not None:
+            turned = frame.slope * ends + 2.0 * frame.intercept
+            window = turned - window[1], turned - window[0]
     if (frame.slope, frame.intercept) != (1.0, 0.0):
         values = values * np.float64(frame.slope) + np.float64(frame.intercept)
-    return DecodedImage(_mask_padding(dataset, values, stored), notes=notes)
+    return DecodedImage(_mask_padding(dataset, values, stored), notes=notes, window=window)
 
 
 def _mask_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:
@@ -265,6 +274,7 @@ def _unpack_pixels(dataset: Any, frame: DicomFrame, name: str) -> Numbers:
         return np.asarray(pixel_array(dataset, index=frame.index))
     except Exception as error:  # decoders raise exceptions of any kind; another package may be able to decode it
         syntax = dataset.file_meta.TransferSyntaxUID
+        colors = dataset.get("PhotometricInterpretation")
         codec = (
             _JPEG_DECODERS.get(str(syntax).removeprefix(_JPEG_SYNTAX_PREFIX))
             if str(syntax).startswith(_JPEG_SYNTAX_PREFIX)
@@ -275,7 +285,8 @@ def _unpack_pixels(dataset: Any, frame: DicomFrame, name: str) -> Numbers:
                 f"{name} is packed as {make_printable(str(syntax.name))[:80]}, which is not read: "
                 "save it without packing."
             ) from error
-        colored = int(dataset.get("SamplesPerPixel", 1)) != 1 and dataset.get("PhotometricInterpretation") != "RGB"
+        unpacked = ("RGB", "YBR_RCT", "YBR_ICT")  # the last two by JPEG 2000 itself
+        colored = int(dataset.get("SamplesPerPixel", 1)) != 1 and colors not in unpacked
         if codec is None or colored:
             raise
     import imagecodecs  # only here, because it takes long to import

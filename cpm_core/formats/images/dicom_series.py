@@ -28,8 +28,9 @@ _HEADER_TAGS = (
     "SequenceOfUltrasoundRegions",
     *("SliceThickness", "SpacingBetweenSlices", "ImagePositionPatient", "ImageOrientationPatient"),
     *("SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence", "GridFrameOffsetVector"),
-    *("DetectorInformationSequence", "SliceVector"),
+    *("DetectorInformationSequence", "SliceVector", "TotalPixelMatrixRows"),
     *("RescaleSlope", "RescaleIntercept", "RescaleType", "FrameTime", "FrameIncrementPointer"),
+    *("WindowCenter", "WindowWidth"),
 )
 """Tags that are read from a header; reading all would take long for a folder of a thousand files."""
 
@@ -87,6 +88,8 @@ class DicomFrame:
         Notes on the size of a pixel.
     slope, intercept : float
         Rescaling of stored values: slope * stored + intercept.
+    window : tuple of float or None
+        Rescaled values that are to be shown as the darkest and the brightest.
     is_time_series : bool
         Whether the images of the file are a time series.
     hounsfield : bool
@@ -108,6 +111,7 @@ class DicomFrame:
     notes: Texts
     slope: float
     intercept: float
+    window: tuple[float, float] | None
     is_time_series: bool
     hounsfield: bool
 
@@ -122,9 +126,9 @@ DecodeFrames = Callable[[Sequence[DicomFrame]], DecodedImage]
 
 
 def read_file_frames(pydicom: Any, path: Path) -> list[DicomFrame]:
-    """Read the frames of a file, none if it has no pixels; a damaged file raises ValueError or any other exception."""
+    """Read the frames of a file, none without pixels or of a slide in tiles; a damaged file raises any exception."""
     header = pydicom.dcmread(path, stop_before_pixels=True, force=True, specific_tags=list(_HEADER_TAGS))
-    if "Rows" not in header or "Columns" not in header:
+    if "Rows" not in header or "Columns" not in header or "TotalPixelMatrixRows" in header:
         return []
     count = int(header.get("NumberOfFrames", 1) or 1)
     own = header.get("PerFrameFunctionalGroupsSequence") or []
@@ -141,6 +145,7 @@ def _build_frame(path: Path, index: int, header: Any, own: list[Any], count: int
         found = (item.get(name) for item in items if item is not None and item.get(name) is not None)
         return next(found, header.get(name))
 
+    level, width = (_parse_number(find_value(f"Window{name}", "FrameVOILUTSequence")) for name in ("Center", "Width"))
     spacing, unit, notes = _parse_pixel_spacing(header, find_value("PixelSpacing", "PixelMeasuresSequence"))
     # slices of nuclear medicine lie where their detector says
     detector = (header.get("DetectorInformationSequence") or [{}])[0]
@@ -174,6 +179,7 @@ def _build_frame(path: Path, index: int, header: Any, own: list[Any], count: int
         notes,
         _parse_number(find_value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
         _parse_number(find_value("RescaleIntercept", "PixelValueTransformationSequence")),
+        (level - 0.5 * width, level + 0.5 * width) if width > 0.0 else None,
         count > 1 and not own and origin is None and _is_time_series(header),
         header.get("Modality") == "CT"
         and find_value("RescaleIntercept", "PixelValueTransformationSequence") is not None

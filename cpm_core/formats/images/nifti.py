@@ -89,6 +89,7 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
         columns, rows, planes, times, channels = (*sizes, 1, 1, 1)[:5]
         stored = volume.get_data_dtype()
         spacing, unit, geometry, notes = _read_position(volume)
+        low, high = (float(volume.header[name]) for name in ("cal_min", "cal_max"))
 
     def read_planes(time: int, channel: int, first: int, end: int) -> DecodedImage:
         at = (slice(None), slice(None), slice(first, end), time, channel)
@@ -99,7 +100,7 @@ def open_image_file(path: Path, _reading: Reading) -> Stack:
                 _GZIP_BLOCK
             ):  # to the end, where the checksum is verified
                 pass
-        return decode_voxels(part)
+        return replace(decode_voxels(part), window=(low, high) if low < high < math.inf else None)
 
     return Stack(
         name,

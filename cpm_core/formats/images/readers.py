@@ -62,17 +62,17 @@ class ImageReader(Protocol):
         """Open a file of one or several planes; a damaged one may raise any exception."""
 
 
-_IMAGE_READERS: tuple[ImageReader, ...] = (
-    dicom,
-    tiff,
-    microscopy,
-    numpy_array,
-    nifti,
-    nrrd,
-    metaimage,
-    raster,
-)
-"""Readers in the order they are tried: DICOM files may begin like TIFF, and the last one takes what no other reads."""
+_IMAGE_READERS: dict[ImageReader, str] = {
+    dicom: "a DICOM file",
+    tiff: "a TIFF",
+    microscopy: "a file of a microscope",
+    numpy_array: "a NumPy array",
+    nifti: "a NIfTI or Analyze volume",
+    nrrd: "an NRRD volume",
+    metaimage: "a MetaImage volume",
+    raster: "a picture",
+}
+"""Readers in the order they are tried -> what they read; DICOM may begin like TIFF, and the last takes the rest."""
 
 _SIGNATURE_SIZE = 512
 """Bytes that identify a format; signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
@@ -80,6 +80,7 @@ _SIGNATURE_SIZE = 512
 _FOREIGN_SIGNATURES: tuple[tuple[int, bytes, str], ...] = (
     (0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an OIB or ZVI file of a microscope, or a document"),
     (0, b"\x89HDF\r\n\x1a\n", "an HDF5 file"),
+    (0, b"CDF", "a MINC or NetCDF file"),
     (0, b"MATLAB 5.0 MAT-file", "a MATLAB file"),
     (4, b"ftyphei", "a HEIC picture"),
     (4, b"ftyp", "a video"),
@@ -243,7 +244,7 @@ def load_pages(
     (2, (64, 64))
     """
     file, reading = find_local_file(path), Reading(None, channel, time, series, color, _parse_spacing(spacing), unit)
-    with _explain_errors(file):
+    with explain_image_errors(file):
         stack = _open_file(file, reading)
     sha256 = _hash_file(file, check_cancelled)
     axes: tuple[tuple[str, PageAxis, int], ...] = (
@@ -256,7 +257,7 @@ def load_pages(
     def read_page(number: int) -> Image:
         chosen: JsonDict = {name: number}
         one = replace(reading, **chosen)
-        with _explain_errors(file):
+        with explain_image_errors(file):
             decoded = read_plane(stack, one)
         return _build_image(decoded, file, one, sha256)
 
@@ -295,14 +296,14 @@ def open_stack(path: AnySource, series: int | str | None = None) -> Stack:
         As for `load_volume`; `UnreadableError` when an archive holds several images and none is chosen.
     """
     file = find_local_file(path)
-    with _explain_errors(file):
+    with explain_image_errors(file):
         return _open_file(file, Reading(series=series))
 
 
 def open_levels(path: AnyPath, reading: Reading) -> MultiscaleImage | None:
     """Open all resolutions of an image that is read in parts; None for other images."""
     file = Path(path)
-    with _explain_errors(file):
+    with explain_image_errors(file):
         return _open_file(file, reading).levels
 
 
@@ -315,7 +316,7 @@ def _load_part(
     file: Path, reading: Reading, read_part: Callable[[Stack, Reading], DecodedImage], check_cancelled: Callback | None
 ) -> Image:
     """Load a part of a file as an image, hashing the file meanwhile."""
-    with ThreadPoolExecutor(1) as other, _explain_errors(file):
+    with ThreadPoolExecutor(1) as other, explain_image_errors(file):
         stack = _open_file(file, reading)
         sha256 = other.submit(_hash_file, file, check_cancelled)
         decoded = read_part(stack, reading)
@@ -338,7 +339,10 @@ def _build_image(decoded: DecodedImage, file: Path, reading: Reading, sha256: st
         notes = (*notes, no_data_note(values.size))
         values = np.zeros(values.shape)
     name, known = make_printable(file.name), decoded.hounsfield
-    return Image(values, spacing, unit, name, notes, colors, sha256, geometry, hounsfield=known, finer=decoded.finer)
+    return Image(
+        values, spacing, unit, name, notes, colors, sha256, geometry, hounsfield=known, finer=decoded.finer,
+        window=decoded.window,
+    )  # fmt: skip
 
 
 def _hash_file(file: Path, check_cancelled: Callback | None) -> str:
@@ -346,12 +350,30 @@ def _hash_file(file: Path, check_cancelled: Callback | None) -> str:
     return "" if os.path.isdir(file) else compute_fingerprint(file, check_cancelled)  # noqa: PTH112 - raises nothing
 
 
-def _explain_errors(file: Path) -> AbstractContextManager[None]:
-    """Explain decoding errors of a file in a sentence."""
-    return explain_decoding_errors(
-        make_printable(file.name),
-        "is damaged, cut short or of an unknown kind: get a sound copy of it, or save it again as PNG or TIFF.",
-    )
+def explain_image_errors(file: Path) -> AbstractContextManager[None]:
+    """Explain decoding errors of a file in a sentence, which calls it what its content or its name says."""
+
+    def describe_damage() -> str:
+        reader, advice = _find_reader(file), "get a sound copy of it, or save it again"
+        if reader is raster:
+            return f"is damaged, cut short or of an unknown kind: {advice} as PNG or TIFF."
+        return (
+            f"is damaged or cut short, or {_IMAGE_READERS[reader]} of an unknown kind: {advice} with the program that "
+            "made it."
+        )
+
+    return explain_decoding_errors(make_printable(file.name), describe_damage)
+
+
+def _find_reader(file: Path) -> ImageReader:
+    """Find the reader of a file that cannot be read: by its content, or where that says nothing by its name."""
+    try:
+        head = read_content(file, head_size=_SIGNATURE_SIZE)
+        reader = next(reader for reader in _IMAGE_READERS if reader.can_read(head, file))
+    except ValueError:  # a folder
+        reader = raster
+    named = (one for one in _IMAGE_READERS if file.name.lower().endswith(tuple(one.FILE_KINDS)))
+    return next(named, raster) if reader is raster else reader
 
 
 def _find_header(file: Path) -> Path:

@@ -189,12 +189,15 @@ def _add_metadata(found: DecodedImage, stack: Stack, place: Geometry | None, not
 
 
 def stack_planes(planes: Sequence[DecodedImage]) -> DecodedImage:
-    """Stack images of shape (1, H, W) or (H, W) as planes; gray ones among colored ones get gray colors."""
+    """Stack images of shape (1, H, W) or (H, W) as planes; gray ones among colored ones get gray colors.
+
+    The window is that of the plane in the middle, as the first one of a patient may show nothing but air.
+    """
     values = planes[0].values[np.newaxis] if len(planes) == 1 else np.stack([plane.values for plane in planes])
     notes = tuple(dict.fromkeys(note for plane in planes for note in plane.notes))
     white = next((plane.colors.white for plane in planes if plane.colors is not None), None)
     if white is None:
-        return DecodedImage(values, notes=notes)
+        return DecodedImage(values, notes=notes, window=planes[len(planes) // 2].window)
     colors = [
         np.repeat(np.clip(np.rint(255.0 / white * plane.values[..., None]), 0, 255).astype(np.uint8), 3, axis=-1)
         if plane.colors is None

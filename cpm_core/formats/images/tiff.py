@@ -98,7 +98,10 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
             return stack_from_levels(_open_levels(path, name, series, place))
         check_pixel_count(name, int(keyframe.imagelength), int(keyframe.imagewidth))
         pages = _index_pages(series, name)
-        curve, calibrated = _parse_calibration(file.imagej_metadata or {}, keyframe)
+        hyperstack = file.imagej_metadata or {}
+        if len(all_series) == 1 and pages.size < int(hyperstack.get("images", 1)):
+            raise ValueError("it has fewer images than its description says")
+        curve, calibrated = _parse_calibration(hyperstack, keyframe)
         bands = _count_bands(keyframe)
         size = dict(zip(series.axes, series.shape, strict=True))
         sides = (int(size["Y"]), int(size["X"]))

@@ -59,11 +59,13 @@ def triangulate_polygons(counts: ArrayLike, corners: ArrayLike) -> tuple[Index, 
     Raises
     ------
     UnreadableError
-        When there are no polygons.
+        When there are no polygons, or they have another number of corners.
     """
     sizes, ends = np.asarray(counts, np.int64), np.asarray(corners, np.int64)
     if not len(sizes):
         raise UnreadableError("It has no triangles: write it again.")
+    if sizes.min() < 0 or sizes.astype(float).sum() != len(ends):
+        raise UnreadableError("Its polygons have another number of corners than it says: write it again.")
     parts = np.maximum(sizes - 2, 0)
     polygon = repeat_indices(parts)
     first = (np.cumsum(sizes) - sizes)[polygon]

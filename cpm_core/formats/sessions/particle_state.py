@@ -22,6 +22,14 @@ from cpm_core.formats.common.json_values import (
 )
 from cpm_core.image.pyramid import shape_at_scale
 from cpm_core.model.coverage import COVERAGE_CELL, NEVER_COVERED, Coverage, SurfaceCoverage, no_coverage
+from cpm_core.model.plane.repulsion import (
+    MESH_PITCH,
+    NO_MESH,
+    MeshForce,
+    mesh_corner,
+    mesh_shape,
+    softening_coefficients,
+)
 from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import HISTORY_STEPS, Particles, State
@@ -54,6 +62,8 @@ def state_to_json(state: State) -> JsonDict:
         arrays |= {"found": state.coverage.found, "latest": state.coverage.latest}
         if state.window is not None:
             arrays["window"] = np.array([(side.start, side.stop) for side in state.window])
+        if state.mesh is not None:
+            plain["mesh"] = _mesh_to_json(state.mesh)
     elif isinstance(state, PublishedState):
         plain["method"] = Published.name
     return plain | {name: array_to_json(array) for name, array in arrays.items()}
@@ -108,7 +118,14 @@ def state_from_json(plain: object, shape: Extent, scales: int, spacing: Sides = 
         return VolumeState(particles, start, shape, pitch=pitch, coverage=SurfaceCoverage(cells, side), **values)
     found, latest = (read_array(name, np.int32, *no_coverage(size).found.shape) for name in ("found", "latest"))
     coverage = Coverage(found, latest, int(np.count_nonzero(found != NEVER_COVERED)))
-    return PlaneState(Particles(*arrays), start, shape, coverage=coverage, window=window, **values)
+    mesh = _parse_mesh(given["mesh"], size) if "mesh" in given else None
+    return PlaneState(Particles(*arrays), start, shape, coverage=coverage, mesh=mesh, window=window, **values)
+
+
+def _mesh_to_json(mesh: MeshForce) -> JsonDict:
+    """Convert the force on a mesh to JSON; none where the whole force is summed over pairs."""
+    far = math.isfinite(mesh.reach)
+    return {"reach": mesh.reach, "force": array_to_json(mesh.force)} if far else {}
 
 
 def _parse_scalar(kind: type, plain: object, where: str) -> Any:
@@ -123,3 +140,17 @@ def _parse_scalar(kind: type, plain: object, where: str) -> Any:
     if kind is int and found < 0.0:
         raise ValueError(f"{where} is {found:g} but cannot be less than nothing.")
     return kind(found)
+
+
+def _parse_mesh(plain: object, size: Extent) -> MeshForce:
+    """Parse the force on a mesh, whose nodes follow from image size and reach."""
+    given = expect_mapping(plain, "mesh of state")
+    if not given:
+        return NO_MESH
+    reach = expect_number(given.get("reach"), "reach of state")
+    if reach < 1.0:
+        raise ValueError(f"reach of state is {reach} but must be one pixel or more.")
+    force = array_from_json(given.get("force"), np.float32, (*mesh_shape(size, reach), 2), "mesh of state")
+    if not np.isfinite(force).all():
+        raise ValueError("mesh of state contains a value that is not a number.")
+    return MeshForce(force, mesh_corner(size, reach), MESH_PITCH * reach, reach, softening_coefficients(reach))

@@ -250,15 +250,29 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             mode=expect_text(plain.get("mode", ""), "mode"),
             objects=from_json(SegmentedObjects, plain.get("objects", {}), "objects"),
             outlined=from_json(SkeletonTarget, plain.get("outlined", {}), "outlined"),
-            view=expect_mapping(plain.get("view", {}), "view"),
-            extra={key: value for key, value in plain.items() if key not in _KNOWN_ENTRIES},
-            runs=read_optional("runs", "recorded runs were", partial(expect_mapping, where="runs"), {}),
+            view=_expect_finite_entries(plain.get("view", {}), "view"),
+            extra=_expect_finite_entries(
+                {key: value for key, value in plain.items() if key not in _KNOWN_ENTRIES}, "the session"
+            ),
+            runs=read_optional("runs", "recorded runs were", partial(_expect_finite_entries, where="runs"), {}),
             truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile, where="truth"), None),
-            pages=read_optional("pages", "other pages of the stack were", partial(expect_mapping, where="pages"), {}),
+            pages=read_optional(
+                "pages", "other pages of the stack were", partial(_expect_finite_entries, where="pages"), {}
+            ),
             notes=tuple(notes),
         )
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from error
+
+
+def _expect_finite_entries(given: object, where: str) -> JsonObject:
+    """Return an object that is kept as it is; ValueError for infinite numbers, which Python reads and JSON lacks."""
+    entries = expect_mapping(given, where)
+    try:
+        json.dumps(entries, allow_nan=False)
+    except ValueError as error:
+        raise ValueError(f"{where} holds a number that is not finite.") from error
+    return entries
 
 
 def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback = lambda: None) -> tuple[Path, Texts]:

@@ -37,7 +37,20 @@ from cpm_core.model.equations import (
     is_stuck,
     repulsion_left,
 )
-from cpm_core.model.plane.repulsion import VECTOR_LANES, PlaneCells, build_plane_cells, gather_near, pair_sums
+from cpm_core.model.plane.repulsion import (
+    NO_MESH,
+    VECTOR_LANES,
+    MeshForce,
+    PlaneCells,
+    build_plane_cells,
+    count_mesh_nodes,
+    gather_near,
+    mesh_force,
+    mesh_force_at,
+    pair_sums,
+    two_nearest_of_many,
+)
+from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.state import HISTORY_STEPS, Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
@@ -90,7 +103,10 @@ def edge_state_at(packed: Single, y: float, x: float, floor: float) -> tuple[flo
 
 
 PAIR_REACH = 2.0
-"""Distance up to which particles repel each other, in d_min + d_max; a farther neighbor counts at this distance."""
+"""Reach of the pairs where a mesh carries the rest, in d_min + d_max."""
+
+NEIGHBOR_RANGE = 8.0
+"""Largest distance at which the two nearest neighbors are searched, in d_min + d_max."""
 
 REST_SPEED = 5e-4
 """Speed under which a particle is at rest where no cell has been newly covered for long [px / unit of time]."""
@@ -103,6 +119,8 @@ class MotionLaw(NamedTuple):
     ----------
     w1, w2, d_min, dt : float
         Weights of eq. (12), spacing, time step.
+    neighbor_range : float
+        `NEIGHBOR_RANGE` [px].
     floor : float
         Least edge strength for edge contact.
     """
@@ -111,6 +129,7 @@ class MotionLaw(NamedTuple):
     w2: float
     d_min: float
     dt: float
+    neighbor_range: float
     floor: float
 
 
@@ -132,6 +151,9 @@ def is_at_rest(particles: Particles, idle: Index) -> Mask:
 Four = tuple[float, float, float, float]
 """Four numbers, such as a damped series or the history of two forces."""
 
+_PAIRS_PER_NODE = 28
+"""Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
+
 _MOVED_PER_THREAD = 800
 """Particles from which a second thread makes the step faster, while some are repelled."""
 
@@ -139,23 +161,43 @@ _LATE_MOVED_PER_THREAD = 4000
 """Particles from which a second thread makes the step faster later."""
 
 
+MESH_INTERVAL = 4
+"""Steps for which the force on a mesh is used: during these, particles move by a small part of its reach."""
+
+
+def current_mesh_force(state: PlaneState, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
+    """Return the mesh of the step after a state: the present one, or a new one every `MESH_INTERVAL` steps.
+
+    There is none where summing all pairs is faster, or the repulsion has faded for all particles. `idle`, shape (N,),
+    are the steps since cells around each particle were newly covered.
+    """
+    if state.step_of_scale % MESH_INTERVAL and state.mesh is not None:
+        return state.mesh
+    reach = PAIR_REACH * (parameters.d_min + parameters.d_max)
+    repelled = np.count_nonzero(idle < FADED_STEPS)
+    if repelled * state.count < _PAIRS_PER_NODE * count_mesh_nodes(scale_field.shape, reach):
+        return NO_MESH
+    return mesh_force(state.particles.position, scale_field.shape, reach)
+
+
 def move_in_plane(
-    particles: Particles, idle: Index, scale_field: ScaleField, parameters: Parameters
+    particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleField, parameters: Parameters
 ) -> tuple[Particles, Array]:
     """Move all particles by one time step; return them, and the distance that each has moved [px], shape (N,).
 
-    `idle`, shape (N,), are the steps since cells around each were newly covered. The parameters act at once. The force
-    on a particle at rest is that of its last step.
+    `idle`, shape (N,), are the steps since cells around each were newly covered, `mesh` is the smooth part of the
+    Coulomb force. The parameters act at once. The force on a particle at rest is that of its last step.
     """
-    reach = PAIR_REACH * (parameters.d_min + parameters.d_max)
-    cells = build_plane_cells(particles.position, scale_field.shape, reach)
-    law = MotionLaw(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, scale_field.floor)
+    size = mesh.reach if np.isfinite(mesh.reach) else float(max(scale_field.shape) + 1)
+    cells = build_plane_cells(particles.position, scale_field.shape, size)
+    near = NEIGHBOR_RANGE * (parameters.d_min + parameters.d_max)
+    law = MotionLaw(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, near, scale_field.floor)
     damped = damped_motion(parameters.beta, parameters.time_step)
     before = particles.velocity, particles.force, particles.distance, particles.crept
     position, velocity, force, distance = map(np.empty_like, (particles.position, *before[:3]))
     crept, motion = np.empty((2, len(particles)))
     moved = position, velocity, force, distance, crept, motion
-    work = partial(_move_sorted, cells, scale_field.packed, scale_field.area, idle, damped, law, before, moved)
+    work = partial(_move_sorted, cells, scale_field.packed, scale_field.area, idle, mesh, damped, law, before, moved)
     run_in_parallel(work, len(particles), _MOVED_PER_THREAD if (idle < FADED_STEPS).any() else _LATE_MOVED_PER_THREAD)
     return Particles(position, velocity, force, distance, particles.identity, crept), motion
 
@@ -184,6 +226,7 @@ def _move_sorted(
     packed: Single,
     area: Mask,
     idle: Index,
+    mesh: MeshForce,
     damped: Array,
     law: MotionLaw,
     before: tuple[Array, Array, Array, Array],
@@ -195,7 +238,7 @@ def _move_sorted(
     velocity, force, distance, crept = before
     to_position, to_velocity, to_force, to_distance, to_crept, motion = after
     coulomb = np.zeros((last - first, 2))
-    _write_repulsion(cells, idle, law.d_min, coulomb, first, last)
+    _write_repulsion(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
         if (k - first) % READ_AHEAD_COUNT == 0 and idle[
             cells.order[k]
@@ -242,11 +285,14 @@ def _is_inside(area: Mask, y: float, x: float) -> bool:
 
 
 @compiled
-def _write_repulsion(cells: PlaneCells, idle: Index, d_min: float, coulomb: Array, first: int, last: int) -> None:
+def _write_repulsion(
+    cells: PlaneCells, idle: Index, mesh: MeshForce, law: MotionLaw, coulomb: Array, first: int, last: int
+) -> None:
     """Write the normalized Coulomb force on some of the sorted particles, shape (`last` - `first`, 2), cell by cell."""
+    smooth, softening = mesh.force, mesh.softening  # taking an array out of a tuple is too slow for every particle
     room = len(cells.order) + VECTOR_LANES
     near, sums = np.empty((3, room), np.float32), np.empty((room, 4))
-    bits, reach = near[2].view(np.int32), np.float32(cells.size)
+    bits, reach = near[2].view(np.int32), np.float32(mesh.reach)
     end, listed, length, own = first, -1, 0, 0
     while end < last:
         k = end
@@ -261,11 +307,17 @@ def _write_repulsion(cells: PlaneCells, idle: Index, d_min: float, coulomb: Arra
         beyond = min(cells.start[cell + 1], last)
         while end < beyond and repulsion_left(idle[cells.order[end]]) > 0.0:
             end += 1
-        pair_sums(near, bits, length, own + k, own + end, reach, sums)
+        pair_sums(near, bits, length, own + k, own + end, reach, softening, sums)
         for n in range(k, end):
-            left, c_y, c_x = repulsion_left(idle[cells.order[n]]), sums[n - k, 0], sums[n - k, 1]
-            spacing = 0.5 * (min(np.sqrt(sums[n - k, 2]), cells.size) + min(np.sqrt(sums[n - k, 3]), cells.size))
-            scale = coulomb_scale(np.sqrt(c_y**2 + c_x**2), spacing, d_min)
+            y, x, left = cells.y[n], cells.x[n], repulsion_left(idle[cells.order[n]])
+            c_y, c_x, one, other = sums[n - k, 0], sums[n - k, 1], sums[n - k, 2], sums[n - k, 3]
+            if len(smooth):
+                far_y, far_x = mesh_force_at(smooth, (y - mesh.first[0]) / mesh.pitch, (x - mesh.first[1]) / mesh.pitch)
+                c_y, c_x = c_y + far_y, c_x + far_x
+            if other > cells.size**2:  # a particle outside the list may be nearer
+                one, other = two_nearest_of_many(cells, y, x, law.neighbor_range)
+            spacing = 0.5 * (min(np.sqrt(one), law.neighbor_range) + min(np.sqrt(other), law.neighbor_range))
+            scale = coulomb_scale(np.sqrt(c_y**2 + c_x**2), spacing, law.d_min)
             coulomb[n - first, 0], coulomb[n - first, 1] = left * (c_y * scale), left * (c_x * scale)
 
 

@@ -20,9 +20,10 @@ from cpm_core.model.coverage import (
     with_times_reset,
     with_times_reset_near,
 )
+from cpm_core.model.plane.repulsion import MeshForce
 from cpm_core.model.state import Particles, State
 from cpm_core.numerics.grids import Window, window_shape
-from cpm_core.numerics.types import Array, Extent, Integers, Numbers
+from cpm_core.numerics.types import Array, Extent, Integers, Mask, Numbers
 
 _WINDOW_END_DISTANCE = 16.0
 """Distance of a particle from the end of a window that widens it [px]: farther than any moves or searches in a step."""
@@ -61,12 +62,15 @@ class PlaneState(State):
     ----------
     coverage : Coverage
         When particles were first on an edge in each cell of the scale.
+    mesh : MeshForce or None
+        Smooth part of the Coulomb force, used for some steps; None before the first step of a scale.
     window : tuple of slice, or None
         The pixels of the scale, around the particles, that a run in a large image is limited to, so that it takes the
-        time and memory of a small one. Particles are in px of the window, as is the coverage. None for all.
+        time and memory of a small one. Particles are in px of the window, as coverage and mesh. None for all.
     """
 
     coverage: Coverage = field(kw_only=True)
+    mesh: MeshForce | None = None
     window: Window | None = None
 
     @classmethod
@@ -97,14 +101,15 @@ class PlaneState(State):
 
     def list_arrays(self) -> list[Numbers]:
         """Return the arrays that keeping this state costs; see `State.list_arrays`."""
-        return [*super().list_arrays(), self.coverage.found, self.coverage.latest]
+        mesh = () if self.mesh is None else (self.mesh.force,)
+        return [*super().list_arrays(), self.coverage.found, self.coverage.latest, *mesh]
 
     def begin_scale(self, scale: int, places: Array) -> Self:
         """Return the first state of a scale, in a window if the image is large; see `State.begin_scale`."""
         shape = shape_at_scale(self.shape, scale)
         window = window_around(places, shape) if math.prod(self.shape) > _MIN_WINDOWED_PIXELS else None
         coverage = no_coverage(window_shape(window) if window else shape)
-        begun = replace(super().begin_scale(scale, places), window=window, coverage=coverage)
+        begun = replace(super().begin_scale(scale, places), window=window, coverage=coverage, mesh=None)
         return replace(begun, particles=Particles.at_rest(places - begun.corner, self.next_identity))
 
     def widen_window(self) -> Self:
@@ -117,7 +122,7 @@ class PlaneState(State):
         if not (near | ((last + 1 < shape) & (last - position.max(axis=0) < _WINDOW_END_DISTANCE))).any():
             return self
         window = window_around(np.concatenate([position, [first, last]]), shape)
-        moved, former = replace(self, window=window), self.coverage.found.shape
+        moved, former = replace(self, window=window, mesh=None), self.coverage.found.shape
         before = (np.subtract(self.corner, moved.corner) / COVERAGE_CELL).astype(int)
         behind = np.subtract(no_coverage(window_shape(window) if window else shape).found.shape, former) - before
         around = np.transpose([before, behind])
@@ -127,10 +132,17 @@ class PlaneState(State):
 
     def reactivate_all(self) -> Self:
         """Reactivate all particles, as the coverage records when they were awake."""
-        return replace(super().reactivate_all(), coverage=with_times_reset(self.coverage, self.step_of_scale))
+        return replace(
+            super().reactivate_all(), coverage=with_times_reset(self.coverage, self.step_of_scale), mesh=None
+        )
 
     def reactivate_near(self, charges: Array) -> Self:
         """Reactivate the particles in the cells within reach of charges, shape (K, 3)."""
         reach = CHARGE_REACH * 0.5**self.scale
         coverage = with_times_reset_near(self.coverage, charges[:, :2], reach, self.step_of_scale)
-        return replace(self, coverage=coverage)
+        valid = self.mesh is not None and len(self.mesh.force) > 0  # else all particles may have been at rest
+        return replace(self, coverage=coverage, mesh=self.mesh if valid else None)
+
+    def erase_particles(self, gone: Mask) -> Self:
+        """Erase the particles for which `gone`, shape (N,), is true, and the force of all on the mesh."""
+        return replace(super().erase_particles(gone), mesh=None)

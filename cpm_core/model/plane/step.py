@@ -36,6 +36,7 @@ from cpm_core.model.plane.births import (
 )
 from cpm_core.model.plane.enclosed_regions import MAX_PLANE_RESEEDINGS, reseeding_places
 from cpm_core.model.plane.motion import (
+    current_mesh_force,
     edge_contact_at,
     hold_at_barriers,
     is_at_rest,
@@ -190,7 +191,8 @@ def move_particles(
     `idle`, shape (N,), counts the steps since cells near each particle were newly covered.
     """
     particles, step = state.particles, state.step_of_scale
-    moved, motion = move_in_plane(particles, idle, scale_field, parameters)
+    mesh = current_mesh_force(state, idle, scale_field, parameters)
+    moved, motion = move_in_plane(particles, idle, mesh, scale_field, parameters)
     moved, motion = hold_at_barriers(scale_field.barrier_map, particles, moved, motion)
     inside = np.flatnonzero(is_inside_image(moved.position, scale_field.shape))
     left = len(moved) - len(inside)
@@ -199,6 +201,7 @@ def move_particles(
     state = replace(
         state,
         particles=moved,
+        mesh=mesh,
         step=state.step + 1,
         step_of_scale=step + 1,
         born=0,
@@ -309,11 +312,12 @@ def plane_forces(
     """
     particles, idle = state.particles, idle_steps_of(state, charged, parameters)
     chosen = particles.select(which)
+    mesh = current_mesh_force(state, idle, scale_field, parameters)
     lorentz = parameters.w2 * interpolate_field(scale_field.lorentz, chosen.position)
     placed = parameters.w2 * interpolate_field(charged.lorentz, chosen.position) - lorentz
     idle_there = idle[which]
     apart, applied = (
-        move_in_plane(particles, idle, field, parameters)[0].force[which, 0]
+        move_in_plane(particles, idle, mesh, field, parameters)[0].force[which, 0]
         for field in (replace(charged, force=lambda: _NO_EDGES), charged)
     )
     coulomb = np.where((idle_there < FADED_STEPS)[:, None], apart - (parameters.w2, 0.0), 0.0)

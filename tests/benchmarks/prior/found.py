@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 import cpm_core as cpm
 from cpm_core.numerics.types import Array, Index
 from cpm_core.objects import confidence
-from cpm_core.objects.all_objects import choose_objects, predict_candidates
+from cpm_core.objects.all_objects import choose_objects, predict_candidates, weigh_siblings
 from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.region_evidence import RegionEvidence
 from cpm_core.objects.selection import Candidate
@@ -151,11 +151,16 @@ def shown(values: Array, rng: np.random.Generator) -> cpm.Image:
     return cpm.Image(np.clip(blurred + rng.normal(0, rng.uniform(2, 12), values.shape), 0, 255).round())
 
 
+def parts_of(image: cpm.Image) -> ImageParts:
+    """The parts of an image after a run from everywhere."""
+    result = cpm.segment(image, cpm.uniform_grid(image.shape), cpm.PRESETS["automatic"])
+    return ImageParts.from_partition(cpm.Partition.from_result(result))
+
+
 def candidates_of(kind: str, image: cpm.Image, labels: Index) -> Candidates:
     """Candidates for the objects of an image after a run from everywhere."""
-    cut = cpm.Partition.from_result(cpm.segment(image, cpm.uniform_grid(image.shape), cpm.PRESETS["automatic"]))
-    evidence = RegionEvidence(cut)
-    found = list(predict_candidates(ImageParts.from_partition(cut), evidence))
+    evidence = RegionEvidence(parts_of(image))
+    found = predict_candidates(evidence)
     areas = np.bincount(labels.ravel())
     right = np.zeros(len(found))
     for number, one in enumerate(found):
@@ -172,6 +177,29 @@ def stacked(images: Sequence[Candidates]) -> tuple[Array, Array, Array]:
     signs = np.array([confidence.encode_region(each) for one in images for each in one.signs])
     weights = np.concatenate([np.full(len(one.signs), counts[one.kind] ** -0.5) for one in images])
     return signs, np.concatenate([one.right for one in images]), weights * len(weights) / weights.sum()
+
+
+def beside_siblings(image: Candidates, numbers: Array) -> Array:
+    """Encoded features of the candidates of an image beside those that are likely by some numbers, shape (N, 3)."""
+    likely = likely_by(image, numbers).tolist()
+    rated = [one._replace(confidence=each) for one, each in zip(image.candidates, likely, strict=True)]
+    weights = weigh_siblings(rated, image.evidence.partition.values)
+    return np.array(
+        [confidence.encode_siblings(one.confidence, *each) for one, each in zip(rated, weights, strict=True)]
+    ).reshape(-1, 3)
+
+
+def likely_by(image: Candidates, numbers: Array) -> Array:
+    """How likely the candidates of an image are by some numbers, shape (N,)."""
+    signs = np.array([confidence.encode_region(each) for each in image.signs]).reshape(-1, len(numbers) - 1)
+    return np.clip(scipy.special.expit(signs @ numbers[:-1] + numbers[-1]), 1e-6, 0.98)
+
+
+def learned_siblings(images: Sequence[Candidates], numbers: Array) -> Array:
+    """The numbers by which siblings count, learned from images after the others."""
+    images = [one for one in images if one.signs]
+    _, right, weights = stacked(images)
+    return learned(np.concatenate([beside_siblings(one, numbers) for one in images]), right, weights)
 
 
 def score(image: Candidates, shown_as: Array) -> float:
@@ -210,15 +238,16 @@ def learn_numbers(images: Sequence[Candidates], seed: int) -> None:
         numbers = learned(*stacked([one for one in images if one.kind != kind]))
         own, shares, right, matches = [one for one in images if one.kind == kind], [], [], []
         for one in own:
-            signs = np.array([confidence.encode_region(each) for each in one.signs]).reshape(-1, len(numbers) - 1)
-            shares.append(scipy.special.expit(signs @ numbers[:-1] + numbers[-1]))
+            shares.append(likely_by(one, numbers))
             right.append(one.right)
             matches.append(score(one, shares[-1]))
         shown_right = curve(np.concatenate(shares), np.concatenate(right))
         print(f"{kind:24s} F1 {np.mean(matches):.3f}  shown/right/candidates  {shown_right}")
     signs, right, weights = stacked(images)
+    numbers = learned(signs, right, weights)
     origin = {
-        "numbers": learned(signs, right, weights).round(3).tolist(),
+        "numbers": numbers.round(3).tolist(),
+        "siblings": learned_siblings(images, numbers).round(3).tolist(),
         "features": f"{', '.join(confidence.RegionFeatures._fields)}; offset",
         "candidates": {kind: sum(len(one.signs) for one in images if one.kind == kind) for kind in kinds},
         "right": {

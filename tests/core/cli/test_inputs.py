@@ -29,3 +29,14 @@ def test_a_folder_with_a_series_below_stands_for_itself_unless_it_has_images(fol
     assert len(expand_paths([str(folder)])) == 2
     with pytest.raises(ValueError, match="is a folder without images"):
         expand_paths([str(disc)])
+
+
+def test_an_address_stands_for_a_copy_of_its_file(folder):
+    fsspec = pytest.importorskip("fsspec")
+    with fsspec.open("memory://plate/b.npy", "wb") as stream:
+        stream.write((folder / "a2.npy").read_bytes())
+    (copy,) = expand_paths(["memory://plate/b.npy"])
+    assert copy.endswith("b.npy")
+    assert np.array_equal(np.load(copy), np.eye(12))
+    with pytest.raises(ValueError, match=r"memory://none\.npy cannot be read"):
+        expand_paths(["memory://none.npy"])

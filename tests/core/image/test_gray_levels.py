@@ -1,13 +1,24 @@
 """Gray levels: what stands for no data is told and makes no edges, and the scale of the values changes no contour."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.image.gray_levels import NO_DATA_VALUE, find_gray_ends, limit_specks, make_usable, merge_gray_ends
+from cpm_core.image.geometry import Geometry
+from cpm_core.image.gray_levels import (
+    NO_DATA_VALUE,
+    find_gray_ends,
+    find_shown_range,
+    limit_specks,
+    make_usable,
+    merge_gray_ends,
+)
 from cpm_core.image.image import Image
+from cpm_core.image.regions import Regions
 
 ROW, COL = np.mgrid[:48, :48]
 DISK = np.where(np.hypot(ROW - 20, COL - 20) < 12, 200.0, 50.0)
@@ -146,3 +157,71 @@ def test_parts_of_an_image_give_the_ends_of_the_whole():
     whole = find_gray_ends(values)
     assert merge_gray_ends(find_gray_ends(values, part) for part in parts) == whole
     assert whole.usable == (whole.dark, whole.bright)
+
+
+PADDINGS = [-2000.0, -1024.0, 0.0, 65535.0]
+
+
+def pad(values, level, kind):
+    """Write a level outside of a circle, in a band, or on both sides of a turned picture."""
+    row, col = np.indices(values.shape)
+    outside = {
+        "circle": np.hypot(row - 35.5, col - 35.5) > 34.5,
+        "band": row < 6,
+        "turned": np.abs(row + col - 71) > 60,
+    }
+    return np.where(outside[kind], level, values)
+
+
+paddings = st.tuples(st.sampled_from(PADDINGS), st.sampled_from(["circle", "band", "turned"]))
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    seed=st.integers(0, 2**16),
+    hot=st.lists(st.sampled_from([-1e6, 0.0, 65535.0, 1e6]), max_size=4),
+    padding=st.none() | paddings,
+    kind=st.sampled_from([np.float32, np.float64]),
+)
+def test_what_is_shown_survives_hot_pixels_and_padding(seed, hot, padding, kind):
+    values = soft_disk()
+    values = values if padding is None else pad(values, *padding)
+    for level, (row, col) in zip(hot, np.random.default_rng(seed).integers(12, 60, (len(hot), 2)), strict=True):
+        values[row, col] = level
+    low, high = find_shown_range(values.astype(kind))
+    assert 270.0 < low < 310.0
+    assert 400.0 < high < 450.0
+
+
+@pytest.mark.parametrize(
+    "values", [DISK, np.where(ROW > 40, 2, DISK), np.linspace(0.0, 1.0, 64).reshape(8, 8), np.full((8, 8), 3.0)]
+)
+def test_without_hot_pixels_and_padding_all_is_shown(values):
+    assert find_shown_range(values) == (values.min(), values.max())
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    padding=paddings, preset=st.sampled_from(["shape", "automatic", "noisy"]), grid=st.booleans(), floor=st.booleans()
+)
+def test_in_a_region_of_interest_no_padding_around_it_hides_an_object(padding, preset, grid, floor):
+    values = pad(soft_disk(), *padding)
+    seeds = cpm.uniform_grid(values.shape) if grid else cpm.circle((36, 36), 8)
+    parameters = replace(cpm.PRESETS[preset], edge_floor=0.1) if floor else cpm.PRESETS[preset]
+    corners = np.array([(16, 16), (16, 56), (56, 56), (56, 16)], float)
+    found = cpm.segment(values, seeds, parameters, regions=Regions(interest=(corners,))).contours
+    assert max(one.area for one in found if one.closed) == pytest.approx(np.pi * 16.0**2, rel=0.04)
+
+
+@pytest.mark.parametrize("lowest", [-1024.0, -1000.0, -2000.0, -3024.0])
+@pytest.mark.parametrize("dead", [None, -32768.0, 32767.0])
+def test_air_makes_a_ct_whatever_lies_outside_its_circle_and_padding_makes_none(lowest, dead):
+    rng = np.random.default_rng(3)
+    body = rng.uniform(-1000.0, 1500.0, (12, 24, 24))
+    organ = rng.uniform(0.0, 900.0, body.shape)
+    for values, is_ct in ((body, True), (organ, False)):
+        padded = values.copy()
+        padded[:, :4] = lowest
+        if dead is not None:
+            padded[6, 12, 12] = dead
+        assert Image(padded, geometry=Geometry()).is_ct == is_ct

@@ -13,8 +13,8 @@ from cpm_core.model.plane.repulsion import build_plane_cells
 
 Array = NDArray[np.float64]
 
-REACH = 2.0
-"""Distance up to which particles act, in d_min + d_max."""
+NEIGHBOR_RANGE = 8.0
+"""Largest distance to a neighbor, in d_min + d_max."""
 
 
 def edge_contact(positions: Array, scale_field: ScaleField, distance: float) -> EdgeContact:
@@ -70,17 +70,16 @@ def offsets(points: Array) -> tuple[Array, Array]:
     return apart, distance
 
 
-def coulomb(points: Array, reach: float) -> Array:
-    """Eq. (9) over the pairs nearer than a reach."""
+def coulomb(points: Array) -> Array:
+    """Eq. (9)."""
     apart, distance = offsets(points)
-    distance[distance >= reach] = np.inf
     return np.asarray((apart / distance[..., None] ** 3).sum(axis=1))
 
 
 def spacing(points: Array, parameters: Parameters) -> Array:
     """Mean distance to the two nearest."""
     _, distance = offsets(points)
-    farthest = REACH * (parameters.d_min + parameters.d_max)
+    farthest = NEIGHBOR_RANGE * (parameters.d_min + parameters.d_max)
     nearest = np.sort(np.concatenate([distance, np.full((len(points), 2), np.inf)], axis=1), axis=1)[:, :2]
     return np.asarray(np.minimum(nearest, farthest).mean(axis=1))
 
@@ -88,8 +87,5 @@ def spacing(points: Array, parameters: Parameters) -> Array:
 def repulsion(points: Array, parameters: Parameters) -> Array:
     """Coulomb force scaled by half the squared spacing, less below d_min, and cut at one."""
     apart = spacing(points, parameters)
-    scaled = (
-        coulomb(points, REACH * (parameters.d_min + parameters.d_max))
-        * (0.5 * apart**2 * np.minimum(1.0, apart / parameters.d_min))[:, None]
-    )
+    scaled = coulomb(points) * (0.5 * apart**2 * np.minimum(1.0, apart / parameters.d_min))[:, None]
     return np.asarray(scaled / np.maximum(1.0, np.linalg.norm(scaled, axis=1))[:, None])

@@ -10,6 +10,7 @@ from cpm_core.formats.images.examples import example
 from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.objects.candidate_regions import CandidateRegions
+from cpm_core.objects.confidence import estimate_among_siblings
 from cpm_core.objects.selection import compute_iou
 from cpm_core.segmentation.select import select_all
 
@@ -86,3 +87,26 @@ def test_for_the_objects_of_a_volume_it_points_to_those_of_a_run() -> None:
     for values in (example("ball"), example("ball").values):
         with pytest.raises(ValueError, match=r"is a volume, .*cpm\.segment\(\.\.\.\)\.objects"):
             select_all(values)
+
+
+def test_a_grain_is_an_object_where_only_steps_of_gray_bound_it_and_some_are_faint():
+    levels = np.random.default_rng(4).permutation(np.linspace(60.0, 200.0, 12))
+    found = select_all(picture(levels[GRAINS]))
+    overlaps = best_overlaps(found, [number == GRAINS for number in range(12)])
+    assert np.count_nonzero(np.array(overlaps) > 0.8) >= 10
+    assert not any((one.mask & other.mask).any() for one, other in itertools.combinations(found, 2))
+
+
+def test_a_leaf_that_fills_half_of_the_image_is_the_likeliest_object_whole_with_its_veins():
+    along, across = (ROW - 60) / 52, (COL - 65) / (34 * (1 - ((ROW - 60) / 52) ** 2)).clip(1e-3)
+    leaf = (abs(along) < 1) & (abs(across) < 1)
+    veins = leaf & (abs(COL - 65) < 1.5)
+    soil = 15.0 * scipy.ndimage.gaussian_filter(np.random.default_rng(3).normal(size=leaf.shape), 3) / 0.09
+    found = select_all(picture(np.where(leaf, 150.0 - 30.0 * veins, 60.0 + soil)))
+    assert compute_iou(found[0].mask, leaf) > 0.9
+
+
+def test_what_resembles_likely_objects_is_likelier_than_what_does_not():
+    alone = estimate_among_siblings(0.4, 0.0, 0.0)
+    alike, unlike = (estimate_among_siblings(0.4, sign * 2.0, 2.0) for sign in (1.0, -1.0))
+    assert unlike < alike > alone

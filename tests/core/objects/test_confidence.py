@@ -34,7 +34,7 @@ def test_a_region_is_the_surer_the_larger_the_predicted_overlap_and_the_fewer_it
     assert 0.0 < estimate_region_confidence(features) <= estimate_region_confidence(better) < 1.0
 
 
-@pytest.mark.parametrize("name", ["confidence.json", "confidence_everywhere.json"])
+@pytest.mark.parametrize("name", ["confidence.json", "confidence_everywhere.json", "merged_basins.json"])
 def test_the_origin_of_the_numbers_is_stated(name):
     stored = json.loads(files("cpm_core.objects").joinpath(name).read_text("utf-8"))
     assert {"numbers", "features", "right", "seed", "script", "data"} <= stored.keys()

@@ -254,6 +254,28 @@ def test_a_click_deep_in_an_organ_has_it_among_its_candidates_next_to_the_whole(
     assert len(found) < 4
 
 
+@pytest.mark.parametrize("noise", [0.0, 10.0, 30.0])
+def test_a_click_in_the_background_finds_nothing_and_one_in_a_faint_ball_the_ball(noise) -> None:
+    away = np.linalg.norm(np.moveaxis(np.indices((32, 40, 44)), 0, -1) - (16, 14, 15), axis=-1)
+    values = 60.0 * np.clip(7.5 - away, 0.0, 1.0) + np.random.default_rng(3).normal(0.0, noise, away.shape)
+    bodies = cpm.VolumePartition(cpm.Image(values))
+    for place in ((16, 32, 34), (6, 34, 10), (28, 8, 38)):
+        nothing = bodies.select([place])
+        assert not nothing.has_boundary
+        assert nothing.remark == "No body was found at this place."
+        assert not bodies.select([place], previous=nothing).has_boundary
+    assert bodies.select([(16, 14, 15)]).size == pytest.approx(4.0 / 3.0 * np.pi * 7.0**3, rel=0.25)
+
+
+def test_a_body_with_edges_around_it_is_found_though_the_click_is_in_a_hollow_like_the_background() -> None:
+    away = np.linalg.norm(np.moveaxis(np.indices((44, 44, 44)), 0, -1) - 22, axis=-1)
+    shell = np.where((away > 7.0) & (away < 14.0), 100.0, 0.0)
+    values = shell + np.random.default_rng(3).normal(0.0, 15.0, away.shape)
+    found = cpm.VolumePartition(cpm.Image(values)).select([(22, 22, 22)])
+    assert found.contains(np.array([(22.0, 22.0, 22.0), (22.0, 22.0, 32.0)])).all()
+    assert not found.contains(np.array([(2.0, 2.0, 2.0)]))[0]
+
+
 @pytest.mark.parametrize("runs", [False, True])
 def test_nothing_excluded_is_selected_in_a_volume_and_the_rest_is_what_it_would_be(runs):
     away = _lengths((40, 40, 40), (1.0,) * 3, np.full(3, 20.0))

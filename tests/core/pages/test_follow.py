@@ -87,10 +87,11 @@ def box(top, left, height, width, closed=True):
         ([box(10, 10, 20, 20)], [box(12, 10, 20, 20, closed=False)], [1], []),
         ([box(10, 10, 20, 20)], [box(40, 50, 20, 20)], [2], ["ends", "begins"]),
         ([box(40, 66, 20, 20)], [box(10, 10, 20, 20)], [2], ["leaves", "begins"]),
+        ([box(10, 10, 20, 20)], [box(14, 14, 20, 20), box(40, 66, 20, 20)], [1, 2], ["enters"]),
         ([box(10, 10, 30, 50)], [box(10, 10, 30, 14), box(10, 28, 30, 14), box(10, 46, 30, 14)], [1, 2, 3], ["splits"]),
         ([box(10, 10, 30, 14), box(10, 28, 30, 32)], [box(10, 10, 30, 50)], [2], ["merges"]),
     ],
-    ids=["begins", "a hole ends", "nested", "opens", "jumps", "leaves", "three parts", "merges"],
+    ids=["begins", "a hole ends", "nested", "opens", "jumps", "leaves", "enters", "three parts", "merges"],
 )
 def test_tracks_follow_by_overlap(before, now, numbers, kinds):
     tracker = Tracker()

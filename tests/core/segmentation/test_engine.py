@@ -42,7 +42,7 @@ def frozen(state):
     apart = ("particles", "coverage", "far")
     figures = [repr(getattr(state, f.name)) for f in dataclasses.fields(state) if f.name not in apart]
     arrays = [getattr(state.particles, name).tobytes() for name in ARRAYS]
-    tuples = [np.asarray(part).tobytes() for part in state.coverage[:2]]
+    tuples = [np.asarray(part).tobytes() for whole in (state.coverage[:2], state.mesh or ()) for part in whole]
     return [*figures, *tuples, state.start.tobytes(), *arrays]
 
 

@@ -12,6 +12,7 @@ import PIL.Image
 import scipy
 
 from cpm_core import Image
+from cpm_core.image.gray_levels import sample_values
 from cpm_core.numerics import Array
 from cpm_core.numerics.grids import run_in_bands
 from cpm_core.numerics.types import Extent, Mask, Pixels, frozen, record
@@ -140,10 +141,10 @@ class DisplayVolume:
 
 
 def build_display_image(image: Image) -> DisplayImage:
-    """Build the display image of an image: its colors, or its gray values from the smallest to the largest."""
+    """Build the display image of an image: its colors, or its gray values in the range that is shown."""
     if image.colors is not None:
         return DisplayImage.from_shades(image.colors.samples)
-    return DisplayImage.from_image(image, IntensityWindow(*image.gray_range))
+    return DisplayImage.from_image(image, IntensityWindow(*image.shown_range))
 
 
 def apply_window(values: Array, window: IntensityWindow) -> Pixels:
@@ -175,19 +176,13 @@ def compute_color_curve(window: IntensityWindow, white: float) -> Pixels:
     return apply_window(levels, window)[0]
 
 
-_PERCENTILE_SAMPLE_SIZE = 1 << 20
-"""Largest number of gray values that percentiles are taken of; sorting all of them takes longer than a frame."""
-
-
 def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     """Return the ends of the range of gray values without `percent` per cent of the pixels at either end.
 
     `values` are gray values of any shape, and `percent` is from 0 to less than 50. The result is the whole range where
     both ends are the same. Of many pixels, only every n-th along each axis counts.
     """
-    stride = math.ceil((values.size / _PERCENTILE_SAMPLE_SIZE) ** (1.0 / values.ndim))
-    some = values[(slice(None, None, stride),) * values.ndim]
-    low, high = np.percentile(some, [percent, 100.0 - percent])
+    low, high = np.percentile(sample_values(values), [percent, 100.0 - percent])
     if percent == 0.0 or low == high:
         low, high = values.min(), values.max()
     return float(low), float(high)

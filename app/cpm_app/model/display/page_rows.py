@@ -8,12 +8,15 @@ from cpm_core.contours import Measures, compute_centroid
 from cpm_core.numerics.types import record
 from cpm_core.pages import StackResult, Track
 
-_TRACK_END_TEXTS = {
+_EVENT_TEXTS = {
+    "begins": tr("begins"),
+    "enters": tr("enters the image"),
+    "splits": tr("splits off track {track}"),
     "ends": tr("ends here"),
     "leaves": tr("leaves the image"),
     "merges": tr("merges into track {track}"),
 }
-"""Events at the end of a track, in words."""
+"""Events at the beginning and the end of a track, in words."""
 
 
 @record
@@ -52,11 +55,10 @@ class PageRow:
 def collect_page_rows(found: StackResult) -> tuple[PageRow, ...]:
     """Build the rows of all pages, in their order."""
     tracks = {track.number: track for track in found.tracks}
-    first = min((page.number for page in found.pages if page.contours), default=0)
-    return tuple(row for page in found.pages for row in _build_rows_of_page(page, tracks, first))
+    return tuple(row for page in found.pages for row in _build_rows_of_page(page, tracks))
 
 
-def _build_rows_of_page(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
+def _build_rows_of_page(page: Page, tracks: dict[int, Track]) -> list[PageRow]:
     if page.result is None:
         return [PageRow(page.number, 0, None, 0.0, 0.0, None, translate_core_text(page.error))]
     rows = []
@@ -65,10 +67,10 @@ def _build_rows_of_page(page: Page, tracks: dict[int, Track], first: int) -> lis
         if contour.hole:
             continue
         track, happens = tracks[contour.number], []
-        if page.number == track.pages[0] and page.number != first:
-            happens.append(tr("splits off track {track}", track=track.origin) if track.origin else tr("begins"))
+        if page.number == track.pages[0] and track.begin is not None:
+            happens.append(_EVENT_TEXTS[track.begin].format(track=track.origin))
         if page.number == track.pages[-1] and track.end is not None:
-            happens.append(_TRACK_END_TEXTS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
+            happens.append(_EVENT_TEXTS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
         row, col = compute_centroid(contour)
         said, gray = ", ".join(happens), contour.gray
         rows.append(PageRow(page.number, contour.number, measures, row, col, gray, said, contour.group > 0, index))

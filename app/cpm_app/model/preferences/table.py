@@ -118,6 +118,11 @@ UNIT_PREFERENCE = ChoicePreference(
     note=tr("In tables, the Run panel, the status bar and the scale bar. Without a known pixel size, "
             "lengths are in px."),
 )  # fmt: skip
+WHEEL_PREFERENCE = ChoicePreference(
+    name="volumes/wheel", label=tr("Wheel"), default="scrolls",
+    choices={"scrolls": tr("Scrolls slices"), "zooms": tr("Zooms")},
+    note=tr("In the slices of a volume; with Ctrl, it does the other."),
+)  # fmt: skip
 
 CONTOUR_WIDTH = NumberPreference(
     name="canvas/contour_width", label=tr("Contour width"), default=2.0, low=0.5, high=5.0,
@@ -169,7 +174,7 @@ TIMELINE_MEMORY = NumberPreference(
 )  # fmt: skip
 
 PREFERENCES_BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
-    "general": (LANGUAGE_PREFERENCE, THEME_PREFERENCE, UNIT_PREFERENCE),
+    "general": (LANGUAGE_PREFERENCE, THEME_PREFERENCE, UNIT_PREFERENCE, WHEEL_PREFERENCE),
     "appearance": (CONTOUR_WIDTH, SHAPE_WIDTH, POINT_SIZE, *INK_PREFERENCES.values()),
     "files": (AUTOSAVE_PREFERENCE, SAVE_IN_FOLDER),
     "run": (KEEP_PARAMETERS, OFFER_SETTINGS, TIMELINE_MEMORY),

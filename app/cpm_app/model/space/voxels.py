@@ -108,7 +108,7 @@ def draw_slice(picture: Picture, cut: Slice, colors: Pixels, camera: Camera, spa
     across = cut.axis
     if abs(camera.axes[2, across]) < 1e-6:
         return
-    down, right = (axis for axis in range(3) if axis != across)
+    down, right = cut.axes
     onto = camera.axes * camera.scale  # column, row and depth in the picture, for a unit along each axis
     origin = onto[:, across] * cut.index * spacing[across] - onto @ camera.first_pixel_position(picture.size)
     voxels = np.stack([onto[:, down] * spacing[down], onto[:, right] * spacing[right], origin], axis=1)

@@ -109,7 +109,8 @@ def _iterate_cuts(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
     elif isinstance(shape, Box | BoxGrid | BoxThreshold | BoxRegion):
         yield from _cut_box(shape, here)
     elif isinstance(shape, PrismRegion | Wall):
-        yield from _cut_extruded(shape, here)
+        sections = _cut_extruded(shape, here)
+        yield from map(_transpose_section, sections) if here.transposed else sections
     elif isinstance(shape, EnclosedRegion | EnclosingWall):
         for line in cut_region(shape.region, here):
             yield Cut(shape, _close_line(line)) if isinstance(shape, EnclosedRegion) else Barrier((*line, line[0]))
@@ -175,8 +176,8 @@ def _keep_one_per_pixel(places: Array) -> Array:
     return places[np.sort(first)]
 
 
-def _cut_extruded(shape: PrismRegion | Wall, here: Slice) -> Iterator[Section]:
-    """Yield the line itself in the slices that it was drawn in, and its cuts in others.
+def _cut_extruded(shape: PrismRegion | Wall, here: Slice) -> Iterator[Barrier | Cut]:
+    """Yield the line itself in the slices that it was drawn in, and its cuts in others, in slices not transposed.
 
     A closed line gives a strip for each stretch inside, an open one a line at each crossing.
     """
@@ -210,6 +211,17 @@ def _cut_extruded(shape: PrismRegion | Wall, here: Slice) -> Iterator[Section]:
     else:
         for at in cuts:
             yield Barrier(order_axes((shape.first, at), (shape.last, at)))
+
+
+def _transpose_section(section: Barrier | Cut) -> Barrier | Cut:
+    """Exchange rows and columns of a section."""
+    if isinstance(section, Barrier):
+        return replace(section, points=_transpose_line(section.points))
+    return replace(section, outline=section.outline[:, ::-1], held=_transpose_line(section.held))
+
+
+def _transpose_line(line: Line) -> Line:
+    return tuple((col, row) for row, col in line)
 
 
 def _close_line(corners: Line) -> Array:

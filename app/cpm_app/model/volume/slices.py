@@ -26,15 +26,24 @@ AXIS_NAMES = (tr("plane"), tr("row"), tr("column"))
 class Slice:
     """A slice across an axis of a volume, 0 for planes, 1 for rows and 2 for columns, at an index along it.
 
-    A position in it is (row, col) of the canvas: the other two axes of the volume, in their order.
+    A position in it is (row, col) of the canvas: the other two axes of the volume, in their order, or exchanged in a
+    slice that is `transposed`.
     """
 
     axis: int
     index: int
+    transposed: bool = False
+
+    @property
+    def axes(self) -> tuple[int, int]:
+        """Axes of the volume along (row, col) of the slice."""
+        first, second = (other for other in range(3) if other != self.axis)
+        return (second, first) if self.transposed else (first, second)
 
     def lift_position(self, position: Position) -> Place:
         """Convert a position in the slice to one in the volume."""
-        return (*position[: self.axis], float(self.index), *position[self.axis :])
+        at = dict(zip(self.axes, position, strict=True))
+        return tuple(at.get(axis, float(self.index)) for axis in range(3))
 
     def lift_offset(self, offset: Position) -> Place:
         """Convert a displacement in the slice to one in the volume."""
@@ -42,16 +51,16 @@ class Slice:
 
     def drop_axis(self, values: tuple[ElementT, ...]) -> tuple[ElementT, ...]:
         """Drop the value along the axis of the slice: a position in the volume becomes the nearest in the slice."""
-        return values[: self.axis] + values[self.axis + 1 :]
+        return tuple(values[axis] for axis in self.axes)
 
     def project_points(self, places: Array) -> Array:
         """Project positions in the volume, shape (N, 3), onto the slice, shape (N, 2)."""
-        return places[:, [axis for axis in range(3) if axis != self.axis]]
+        return places[:, self.axes]
 
     def slice_array(self, values: NDArray[ScalarT]) -> NDArray[ScalarT]:
         """Take the slice, shape (H, W), of an array of shape (P, R, C), without a copy."""
         found: NDArray[ScalarT] = values[(slice(None),) * self.axis + (self.index,)]
-        return found
+        return found.T if self.transposed else found
 
 
 @frozen
@@ -66,16 +75,22 @@ class Slices:
         Voxel where the slices meet.
     axis : int
         The axis of the slice that is worked on.
+    transposed : tuple of bool
+        Whether the slice across each axis is transposed.
     """
 
     shape: Extent
     voxel: Integers
     axis: int = 0
+    transposed: tuple[bool, ...] = (False, False, False)
 
     @classmethod
-    def through_middle(cls, shape: Extent) -> Slices | None:
-        """Return the slices through the middle of a volume; None for the shape of an image."""
-        return cls(shape, tuple(side // 2 for side in shape)) if len(shape) == 3 else None
+    def through_middle(cls, image: Image) -> Slices | None:
+        """Return the slices through the middle of a volume; None for an image with two axes."""
+        if image.ndim != 3:
+            return None
+        middle = tuple(side // 2 for side in image.shape)
+        return cls(image.shape, middle, 0, tuple(is_transposed(image, axis) for axis in range(3)))
 
     @property
     def current(self) -> Slice:
@@ -89,7 +104,7 @@ class Slices:
 
     def slice_across(self, axis: int) -> Slice:
         """Return the slice across an axis."""
-        return Slice(axis, self.voxel[axis])
+        return Slice(axis, self.voxel[axis], self.transposed[axis])
 
     def with_axis(self, axis: int) -> Slices:
         """Work on another axis, at the same voxel."""
@@ -120,6 +135,9 @@ _TOP_ENDS = "AS"
 _LEFT_ENDS = "RA"
 """Ends of axes that are shown at the left."""
 
+_UPRIGHT_ENDS = ("SI", "AP", "LR")
+"""Ends of axes by their right to run down: superior or else anterior is up."""
+
 _PATIENT_AXES = ("LR", "PA", "SI")
 """Ends of three right-handed orthogonal axes of a patient: toward the first letter, and away from it."""
 
@@ -135,12 +153,28 @@ def axis_ends(image: Image) -> tuple[AxisEnds, AxisEnds, AxisEnds]:
     return plane, row, column
 
 
-def find_slice_flips(volume: Image | None, axis: int | None) -> tuple[bool, bool]:
-    """Tell whether a slice across an axis is shown upside down, and whether from right to left."""
-    if volume is None or axis is None:
+def is_transposed(volume: Image, axis: int) -> bool:
+    """Tell whether the slice across an axis is shown with its rows as columns, so that what is superior is up."""
+    if volume.geometry is None:
+        return False
+    ends = axis_ends(volume)
+    down, right = (
+        next(rank for rank, pair in enumerate(_UPRIGHT_ENDS) if ends[along][1] in pair) for along in Slice(axis, 0).axes
+    )
+    return right < down
+
+
+def find_slice_flips(volume: Image | None, here: Slice | None) -> tuple[bool, bool]:
+    """Tell whether a slice is shown upside down, and whether from right to left."""
+    if volume is None or here is None:
         return False, False
-    (_, below), (_, right) = (ends for index, ends in enumerate(axis_ends(volume)) if index != axis)
+    (_, below), (_, right) = here.drop_axis(axis_ends(volume))
     return below in _TOP_ENDS, right in _LEFT_ENDS
+
+
+def axis_labels(image: Image) -> tuple[AxisEnds, ...]:
+    """Return what is written at the ends of the axes: as `axis_ends`, in an oblique volume several letters."""
+    return axis_ends(image) if image.geometry is None else image.geometry.oblique_ends
 
 
 def find_edge_labels(whole: Image, slices: Slices | None) -> tuple[AxisEnds, AxisEnds] | None:
@@ -150,9 +184,9 @@ def find_edge_labels(whole: Image, slices: Slices | None) -> tuple[AxisEnds, Axi
     """
     if slices is None and whole.geometry is None:
         return None
-    axis = 0 if slices is None else slices.axis
-    down, right = (ends for index, ends in enumerate(axis_ends(whole)) if index != axis)
-    upside_down, leftward = find_slice_flips(whole, None if slices is None else axis)
+    here = None if slices is None else slices.current
+    down, right = (here or Slice(0, 0)).drop_axis(axis_labels(whole))
+    upside_down, leftward = find_slice_flips(whole, here)
     return down[::-1] if upside_down else down, right[::-1] if leftward else right
 
 
@@ -171,8 +205,8 @@ def slice_directions(volume: Image) -> Arrays:
     handed = float(np.linalg.det(np.array(along, float))) or _DEFAULT_HANDEDNESS
     found = []
     for axis in range(3):
-        down, right = (other for other in range(3) if other != axis)
-        upside_down, leftward = find_slice_flips(volume, axis)
+        here = Slice(axis, 0, is_transposed(volume, axis))
+        (down, right), (upside_down, leftward) = here.axes, find_slice_flips(volume, here)
         seen = np.zeros((3, 3))
         seen[0, right], seen[1, down], seen[2, axis] = -1.0 if leftward else 1.0, -1.0 if upside_down else 1.0, 1.0
         seen[2] *= handed * np.linalg.det(seen)
@@ -205,7 +239,8 @@ class SampledForce:
 
     def interpolate_slice(self, here: Slice, shape: Extent) -> Array:
         """Interpolate the force along a slice of this shape, (2, H, W), as a displacement in its pixels."""
-        places = np.insert(np.indices(shape) / self.stride, here.axis, here.index / self.stride, axis=0)
+        places = np.full((3, *shape), here.index / self.stride)
+        places[list(here.axes)] = np.indices(shape) / self.stride
         along = [
             scipy.ndimage.map_coordinates(force, places, float, order=1, mode="nearest") / side
             for force, side in zip(here.drop_axis(tuple(self.force)), here.drop_axis(self.sides), strict=True)

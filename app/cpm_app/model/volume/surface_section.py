@@ -30,7 +30,8 @@ _CACHED_BODY_CUTS = 256
 @lru_cache(maxsize=_CACHED_SURFACE_CUTS)
 def cut_surface(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Cut a surface by a slice: closed contours in the slice, and open ones where the surface has a rim."""
-    return slice_surface(surface, cut.axis, cut.index)
+    lines = slice_surface(surface, cut.axis, cut.index)
+    return tuple(replace(line, points=line.points[:, ::-1]) for line in lines) if cut.transposed else lines
 
 
 _CLICK_DISTANCE = 1.0
@@ -52,7 +53,7 @@ def _iterate_boundary_lines(region: Region, here: Slice) -> Iterable[Line]:
     if region.surface is None:
         window = list(region.window)
         window[here.axis] = slice(here.index, here.index + 1)
-        pixels = np.pad(region.cut_out(tuple(window)).any(axis=here.axis), 1)
+        pixels = np.pad(replace(here, index=0).slice_array(region.cut_out(tuple(window))), 1)
         begin = np.array(here.drop_axis(region.origin)) - 1.0
         curves = skimage.measure.find_contours(pixels.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
         for curve in curves:

@@ -14,7 +14,7 @@ from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
-from cpm_app.model.text.language import localize_number, tr
+from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.object_list import ObjectList
@@ -214,7 +214,8 @@ class ObjectSelection(QObject):
 
     def add_click(self, click: Click) -> None:
         """Add a click: positive points of the object, or negative ones."""
-        clicks, number = self._clicks_before(self._number_to_correct(click))
+        self._remark = ""
+        clicks, number = self._clicks_to_extend(click)
         self._set_clicks(tr("select") if click.inside else tr("remove from selection"), (*clicks, click), number)
 
     def correct_object(self, number: int) -> None:
@@ -352,6 +353,13 @@ class ObjectSelection(QObject):
         alone = len(self.proposals) == 1 and self.proposals[0].followed_object is None
         return self.proposals[0].key if alone else 0
 
+    def _clicks_to_extend(self, click: Click) -> tuple[Clicks, int]:
+        """Return the clicks that one continues, and the number of their object; none that have found nothing."""
+        found_nothing = self.selecting and self.answered and not any(
+            each.selection.has_boundary for each in self.proposals if not each.key
+        )  # fmt: skip
+        return ((), 0) if found_nothing else self._clicks_before(self._number_to_correct(click))
+
     def _clicks_before(self, number: int) -> tuple[Clicks, int]:
         """Return the clicks being made, or else those of an object or proposal, and the number of the object."""
         document = self._session.document
@@ -435,7 +443,7 @@ class ObjectSelection(QObject):
         )
         pointed, stepped = None, None
         if self._pointed is not None and self.answered and not self._waiting:
-            clicks, number = self._clicks_before(self._number_to_correct(self._pointed))
+            clicks, number = self._clicks_to_extend(self._pointed)
             pointed = self._get_selector(partition, number), clicks, self._pointed
         if self._steps:
             clicks, number = self._stepped_clicks
@@ -462,7 +470,7 @@ class ObjectSelection(QObject):
         self._update_shown_objects(preview=preview if self._pointed is not None else None)
         before = self.proposals
         self._set_proposals(proposals)
-        remark = proposals[0].selection.remark if clicks and proposals else ""
+        remark = translate_core_text(proposals[0].selection.remark) if clicks and proposals else ""
         remark = remark or describe_no_effect(before, proposals)
         if remark and remark != self._remark:  # once
             self._session.messages.show(remark)
@@ -503,7 +511,10 @@ class ObjectSelection(QObject):
         clicks = () if self.answered else self._session.document.objects.clicks
         new = (each for each in clicks if each not in known)
         later = (each.click for each in self._waiting if each.click is not None)
+        before = self._session.scene.objects.awaited
         self._update_shown_objects(awaited=(*new, *later))
+        if self._session.scene.objects.awaited != before:
+            self.changed.emit()
 
     def _on_candidate(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
         """Select a candidate, and show its number."""

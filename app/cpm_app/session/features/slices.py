@@ -24,7 +24,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.worker.requests import ForcesProbed
 from cpm_core import Image, Skeleton
 from cpm_core.numerics import Array, Index, Place
-from cpm_core.numerics.types import JsonObject
+from cpm_core.numerics.types import JsonObject, copy_with
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import ImageSeeds, ImageStart, Shape, relative_sides
 
@@ -69,7 +69,7 @@ class Sections:
         seeds = scene.image_seeds
         return Scene(
             image,
-            self._display_slice(image, IntensityWindow(*volume.gray_range)),
+            self._display_slice(image, IntensityWindow(*volume.shown_range)),
             scene.shaded,
             document,
             places.get(scene.selected_shape),
@@ -124,7 +124,8 @@ class Sections:
 
 
 def _slice_image(volume: Image, here: Slice) -> Image:
-    return volume.slice_across(here.axis, here.index)
+    image = volume.slice_across(here.axis, here.index)
+    return copy_with(image, stored=image.stored.T, spacing=image.spacing[::-1]) if here.transposed else image
 
 
 def _slice_seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:

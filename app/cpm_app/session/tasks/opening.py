@@ -228,7 +228,7 @@ def _read_image(
             refused = (explain_error(error),)
     if image is None:
         image = core.load_image(path, check_cancelled=check_cancelled, **chosen)
-    image.gray_range  # noqa: B018 - cached here, because the window needs it
+    image.shown_range, image.is_ct  # noqa: B018 - cached here, because the window needs them
     return image, refused
 
 

@@ -113,6 +113,10 @@ class ToolView(ImageView):
     """The right button was clicked at a point of the screen: QPoint."""
     double_clicked = Signal()
     """The left button was clicked a second time, and the tool has handled it."""
+    place_wanted = Signal(object)
+    """Place of the volume that the user wants the slices through."""
+    slice_step_wanted = Signal(int, int)
+    """Axis, and the number of slices by which the user wants to move along it."""
 
     canvas: Canvas
     """The canvas itself, or that next to a side view; it has the keyboard focus and the dispatcher."""
@@ -121,15 +125,38 @@ class ToolView(ImageView):
     _drag_origin: QPointF | None = None
     _is_still = _is_double_click = False
 
+    def __init__(self, requests: WorkerRequests | None = None, original: ImageView | None = None) -> None:
+        super().__init__(requests, original)
+        self._wheel = WheelNotchCounter()
+
     def move_pointer_to(self, at: Position) -> None:
         """Move the pointer to a position, unless another button drags."""
         raise NotImplementedError
 
     def drag_by(self, event: QMouseEvent, by: QPointF) -> None:
-        """Drag with another button; `by` is the distance to pan [px of the screen]."""
-        raise NotImplementedError
+        """Move the cross of a volume with the right button; else pan by a distance [px of the screen]."""
+        if self.shown_slice is not None and event.buttons() & Qt.MouseButton.RightButton:
+            place = self.place_at(self.map_to_image(event.position()))
+            self.place_wanted.emit(place)
+            self.canvas.pointer_place_changed.emit(place)
+        else:
+            self.pan_by(by.x(), by.y())
 
     # Called by Qt
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Step through the slices of a volume, zoom around the pointer, or with Shift resize the tool."""
+        event.accept()
+        keys, tool, here = event.modifiers(), self.canvas.dispatcher.tool, self.shown_slice
+        zooms = here is None or bool(keys & Qt.KeyboardModifier.ControlModifier) != self.canvas.wheel_zooms
+        if keys & Qt.KeyboardModifier.ShiftModifier and tool.is_resizable:
+            notches = self._wheel.count_notches(event)
+            for _ in range(abs(notches)):
+                tool.resize_by(-math.copysign(1.0, notches))
+        elif zooms:
+            self.zoom_by(WHEEL_ZOOM_FACTOR ** (event.angleDelta().y() / 120.0), event.position())
+        elif here is not None:
+            self.slice_step_wanted.emit(here.axis, self._wheel.count_notches(event))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Begin a gesture or a drag."""
@@ -181,16 +208,13 @@ class ToolView(ImageView):
 
 
 class Canvas(ToolView):
-    """Shows the image, or the current slice; the middle and the right button pan, the wheel zooms."""
+    """Shows the image, or the current slice; the middle button pans, in an image also the right one."""
 
     pointer_place_changed = Signal(object)
     """Place under the pointer in the image or volume, in any view, or None when it has left."""
 
     keyboard_interrupted = Signal()
     """A mouse button was pressed, or another image opened: control by keys ends."""
-
-    slice_step_wanted = Signal(int)
-    """Number of slices by which the user wants to move on."""
 
     dispatcher: ToolDispatcher
     """Receiver of the gestures, set once the tools have been created for the layers of this canvas."""
@@ -202,8 +226,9 @@ class Canvas(ToolView):
         self.setMinimumSize(240, 160)
         self.setAccessibleName(tr("Image"))
         self.is_led_by_keys = False
+        self.wheel_zooms = False
+        """Whether the wheel zooms in slices, and with Ctrl steps through them; else the other way round."""
         self._pointer: Position | None = None
-        self._wheel = WheelNotchCounter()
         self.canvas = self
         self.view.sigRangeChanged.connect(self.report_resting_pointer)
 
@@ -228,10 +253,6 @@ class Canvas(ToolView):
         self.dispatcher.move_pointer(self, at)
         self._emit_pointer_place(at)
 
-    def drag_by(self, event: QMouseEvent, by: QPointF) -> None:
-        """Pan."""
-        self.pan_by(by.x(), by.y())
-
     def remove_pointer(self) -> None:
         """Handle the pointer leaving the canvas."""
         self._pointer = self.point_in_view = None
@@ -248,18 +269,6 @@ class Canvas(ToolView):
         self.pointer_place_changed.emit(None if at is None else self.place_at(at))
 
     # Called by Qt
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom around the pointer; with Shift, step through the slices of a volume or resize the tool."""
-        event.accept()
-        if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.shown_slice is not None:
-            self.slice_step_wanted.emit(self._wheel.count_notches(event))
-        elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.dispatcher.tool.is_resizable:
-            notches = self._wheel.count_notches(event)
-            for _ in range(abs(notches)):
-                self.dispatcher.tool.resize_by(-math.copysign(1.0, notches))
-        else:
-            self.zoom_by(WHEEL_ZOOM_FACTOR ** (event.angleDelta().y() / 120.0), event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Show the effect of Shift on the tool; leave keys to the window."""

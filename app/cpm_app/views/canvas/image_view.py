@@ -214,9 +214,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     @property
     def _flips(self) -> tuple[bool, bool]:
         """Whether the view is upside down, and whether it is mirrored, by the radiological convention."""
-        return find_slice_flips(
-            self.drawn_scene.full_image, None if self.shown_slice is None else self.shown_slice.axis
-        )
+        return find_slice_flips(self.drawn_scene.full_image, self.shown_slice)
 
 
 def _pixel_aspect(scene: Scene) -> float:

@@ -13,16 +13,9 @@ from cpm_app.views.widgets.containers import create_flat_button, fill_layout
 from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core import Image
 
-_AXIS_TIPS = (
-    tr("Show planes: rows run down, columns to the right."),
-    tr("Show slices across the rows: planes run down, columns to the right."),
-    tr("Show slices across the columns: planes run down, rows to the right."),
-)
-"""Tool tips of the buttons of the axes."""
-
 
 class SliceBar(PlaceBar):
-    """Axis, slider and number of the slice, and the voxel size; hidden while no volume is open."""
+    """Axis, slider and number of the slice, from 1, and the voxel size; hidden while no volume is open."""
 
     size_wanted = Signal()
     """The user wants to set the size of a voxel."""
@@ -34,7 +27,7 @@ class SliceBar(PlaceBar):
         self.axes = [QToolButton() for _ in AXIS_NAMES]
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
-            button.setToolTip(_AXIS_TIPS[axis])
+            button.setToolTip(tr("Show slices across this axis: {axis}.").format(axis=AXIS_NAMES[axis]))
             button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXIS_NAMES[axis]))
             button.setCheckable(True)
             group.addButton(button, axis)
@@ -48,7 +41,7 @@ class SliceBar(PlaceBar):
 
     def show_keys(self) -> None:
         """Name the current keys in the tool tip."""
-        tip = tr("Move through the slices: {key:previous_slice} and {key:next_slice}, or Shift + wheel.")
+        tip = tr("Move through the slices: {key:previous_slice} and {key:next_slice}, or the wheel.")
         self.slider.setToolTip(insert_keys(tip))
 
     def show_slices(self, slices: Slices | None, image: Image | None) -> None:
@@ -56,7 +49,7 @@ class SliceBar(PlaceBar):
         self.setVisible(slices is not None)
         if slices is None or image is None:
             return
-        self.show_position(slices.current.index, 0, slices.count - 1)
+        self.show_position(slices.current.index + 1, 1, slices.count)
         for button, name in zip(self.axes, name_slices(image), strict=True):
             button.setText(name[:1].upper() + name[1:])
         self.axes[slices.axis].setChecked(True)

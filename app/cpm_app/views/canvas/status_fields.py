@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QLabel
 
 from cpm_app.model.display.lengths import PixelSize, format_length, preferred_pixel_size
 from cpm_app.model.text.language import localize_number, tr
+from cpm_app.model.volume.slices import name_slices
 from cpm_app.session.session import Session
 from cpm_app.views.canvas.canvas import Canvas
 from cpm_app.views.canvas.image_view import ImageView
@@ -17,7 +18,7 @@ from cpm_core.numerics.types import Integers
 
 
 class PointerReadout(QLabel):
-    """Row, column and gray value under the pointer, in a volume also the plane.
+    """Row, column and gray value under the pointer, in a volume the slices across each axis, counted from 1.
 
     Of a color image it shows the value in the channel of the run; where the pixel size is known, also the position in
     its unit, and in the space of the file where that states one.
@@ -43,9 +44,14 @@ class PointerReadout(QLabel):
         if image.geometry is not None:
             first, second, third = _format_position(image, pixel, size)
             lengths = [first, second, third] if image.ndim == 3 else [f"{first}, {second}", third]
-        places = dict(zip(("plane", "row", "col")[-image.ndim :], pixel, strict=True))
         named = dict(zip(("back", "down", "right")[-image.ndim :], lengths, strict=True))
-        return _READOUT_TEMPLATES[image.ndim, size.unit is not None].format(value=value, **places, **named)
+        if image.ndim == 3:
+            slices = zip(name_slices(image), pixel, strict=True)
+            named["slices"] = ", ".join(f"{name} {index + 1}" for name, index in slices)
+        text = _READOUT_TEMPLATES[image.ndim, size.unit is not None].format(
+            value=value, row=pixel[-2], col=pixel[-1], **named
+        )
+        return f"{text} HU" if image.is_ct else text
 
 
 def _format_position(image: Image, pixel: Integers, size: PixelSize) -> tuple[str, str, str]:
@@ -60,8 +66,8 @@ def _format_position(image: Image, pixel: Integers, size: PixelSize) -> tuple[st
 _READOUT_TEMPLATES = {
     (2, False): tr("row {row}, col {col}:  {value:g}"),
     (2, True): tr("row {row}, col {col}  ({down}, {right}):  {value:g}"),
-    (3, False): tr("plane {plane}, row {row}, col {col}:  {value:g}"),
-    (3, True): tr("plane {plane}, row {row}, col {col}  ({back}, {down}, {right}):  {value:g}"),
+    (3, False): tr("{slices}:  {value:g}"),
+    (3, True): tr("{slices}  ({back}, {down}, {right}):  {value:g}"),
 }
 """Templates by the number of axes and whether the pixel size is known."""
 

@@ -7,10 +7,16 @@ from functools import partial
 
 from PySide6.QtWidgets import QApplication
 
-from cpm_app.model.state.situation import has_image
+from cpm_app.model.state.situation import Situation, has_image
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.views.canvas.canvas import WHEEL_ZOOM_FACTOR
-from cpm_app.views.layers.image_layer import AUTOMATIC_RANGE, WHOLE_RANGE, format_window
+from cpm_app.views.layers.image_layer import (
+    AUTOMATIC_RANGE,
+    CT_WINDOWS,
+    WHOLE_RANGE,
+    format_window,
+    window_from_level,
+)
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.panels.layer_list import LayersPanel
 from cpm_app.views.widgets.actions import LAYER_ACTION_PREFIX, ActionSpec
@@ -19,6 +25,12 @@ from cpm_app.views.window.window import Feature
 
 _LAYERS_GROUP = ">" + tr("Layers")
 """Group of the layers in the list of keys."""
+
+_CT_GROUP = ">" + tr("CT window")
+"""Group of the usual windows of CT in the list of keys."""
+
+_CT_KEYS = {"soft_tissue": "Shift+F1", "lung": "Shift+F2", "bone": "Shift+F3", "brain": "Shift+F4"}
+"""Keys of the windows of CT that are used most."""
 
 _PANELS_GROUP = ">" + tr("Panels")
 """Group of the panels in the list of keys."""
@@ -67,6 +79,17 @@ class LayersFeature(Feature):
                               lambda: layer.set_shown(not layer.shown), layer.shortcut,
                               checked_when=lambda _: layer.shown)  # fmt: skip
 
+        def shows_ct(_: Situation) -> bool:
+            return self.session.image is not None and self.session.image.is_ct
+
+        def create_window_action(name: str) -> ActionSpec:
+            title, (width, level) = CT_WINDOWS[name]
+            tip = tr("Show the gray values of a CT around {level} HU, {width} HU wide.")
+            return ActionSpec(f"ct_{name}", _CT_GROUP, title, tip.format(level=f"{level:g}", width=f"{width:g}"),
+                              lambda: layers.image.set_window(*window_from_level((width, level))),
+                              _CT_KEYS.get(name, ""),
+                              visible_when=shows_ct)  # fmt: skip
+
         self.actions = (
             ActionSpec("fit", "View", "&Fit to window", "Show the whole image.", canvas.fit_image, "F Ctrl+0",
                        short=tr("Fit"), icon="fit", when=has_image),
@@ -93,12 +116,13 @@ class LayersFeature(Feature):
                        "button to change the range.",
                        partial(layers.image.set_option, "range", AUTOMATIC_RANGE), "Alt+W", when=has_image,
                        checked_when=lambda _: layers.image.get_choice("range") == AUTOMATIC_RANGE),
+            *map(create_window_action, CT_WINDOWS),
         )  # fmt: skip
 
     def close(self) -> bool:
         """Store the settings of the layers, but not their visibility, for the next start."""
         for layer in self.canvas.layers:
-            chosen = {name: value for name, value in layer.option_values.items() if value != "hand"}
+            chosen = {name: value for name, value in layer.option_values.items() if value not in ("hand", "file")}
             if layer.options:
                 self.window.preferences.store_key(_LAYER_SETTINGS_KEY.format(layer=layer.name), json.dumps(chosen))
         return True

@@ -8,7 +8,7 @@ from pathlib import Path
 from PySide6.QtCore import QPoint
 from PySide6.QtWidgets import QWidget
 
-from cpm_app.model.preferences.table import UNIT_PREFERENCE
+from cpm_app.model.preferences.table import UNIT_PREFERENCE, WHEEL_PREFERENCE
 from cpm_app.model.state.situation import Situation, has_volume
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import AXIS_NAMES, Slices
@@ -16,7 +16,7 @@ from cpm_app.session.exchange.messages import FilesExported, Report
 from cpm_app.session.features.background import AsyncCache
 from cpm_app.session.scene import Scene
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_app.views.canvas.image_view import ImageView
+from cpm_app.views.canvas.canvas import ToolView
 from cpm_app.views.canvas.side_view import SideView, SliceCross
 from cpm_app.views.canvas.slice_bar import SliceBar
 from cpm_app.views.features.animation import provenance_comment, start_animation_task, start_writing_task
@@ -51,7 +51,7 @@ class SlicesFeature(Feature):
         self._shown: tuple[Slices | None, Image | None] = (None, None)
         self._slices = slices = window.workspace.slices
         pages = window.workspace.pages
-        self.bar.moved.connect(slices.go_to)
+        self.bar.moved.connect(lambda number: slices.go_to(number - 1))
         self.bar.axis_wanted.connect(slices.set_axis)
         self.bar.size_wanted.connect(partial(window.trigger_action, "pixel_size"))
         area.controls.addWidget(self.bar)
@@ -62,8 +62,8 @@ class SlicesFeature(Feature):
         self._sides_wanted = bool(window.preferences.read_key(_SIDES_SHOWN_KEY, True))
         self._cross = SliceCross(area.canvas)
         self._slice_caches: list[AsyncCache] = []
-        self._attach_background_cache(area.canvas)
-        area.canvas.slice_step_wanted.connect(slices.go_by)
+        self._connect_view(area.canvas)
+        window.preferences.call_on_change(WHEEL_PREFERENCE, self._set_wheel)
         area.flow.changed.connect(self._show_scene)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.show_slice_position)
         window.shortcuts.changed.connect(self.bar.show_keys)
@@ -104,8 +104,14 @@ class SlicesFeature(Feature):
             later.close()
         return True
 
-    def _attach_background_cache(self, view: ImageView) -> None:
-        """Compute the slow parts of the slices of a view on another thread, and draw them when they are ready."""
+    def _set_wheel(self) -> None:
+        wheel = self.window.preferences.read_preference(WHEEL_PREFERENCE)
+        self.window.canvas_area.canvas.wheel_zooms = wheel == "zooms"
+
+    def _connect_view(self, view: ToolView) -> None:
+        """Let a view move the slices; compute the slow parts of its own on another thread, and draw them later."""
+        view.place_wanted.connect(self._slices.go_through)
+        view.slice_step_wanted.connect(self._slices.step_along)
         view.sections.later = later = AsyncCache(self.session)
         later.completed.connect(view.redraw_scene)
         later.completed.connect(self.window.canvas_area.strip.legend.schedule_update)
@@ -164,10 +170,8 @@ class SlicesFeature(Feature):
         view.hide()
         area.level_drag.watch_widget(view.viewport())
         area.views.addWidget(view, row, 1)
-        self._attach_background_cache(view)
+        self._connect_view(view)
         view.menu_wanted.connect(self._open_menu)
-        view.place_wanted.connect(self._slices.go_through)
-        view.slice_step_wanted.connect(self._slices.step_along)
         self.sides += (view,)
         self.window.turns.schedule_work(self._show_scene)
 

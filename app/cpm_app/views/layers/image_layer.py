@@ -31,23 +31,26 @@ WHOLE_RANGE = "0"
 AUTOMATIC_RANGE = "0.1"
 """Range without the most extreme gray values [% at either end]."""
 
+_FILE_RANGE = "file"
+"""Range that the file states."""
+
 _MANUAL_RANGE = "hand"
 """Range set by hand."""
 
 WidthAndLevel = tuple[float, float]
 """Width and middle of a window of gray values."""
 
-CT_WINDOWS: Mapping[str, WidthAndLevel] = MappingProxyType(
+CT_WINDOWS: Mapping[str, tuple[str, WidthAndLevel]] = MappingProxyType(
     {
-        tr("Soft tissue"): (400.0, 50.0),
-        tr("Mediastinum"): (350.0, 50.0),
-        tr("Lung"): (1500.0, -600.0),
-        tr("Bone"): (1800.0, 400.0),
-        tr("Brain"): (80.0, 40.0),
-        tr("Liver"): (150.0, 30.0),
+        "soft_tissue": (tr("Soft tissue"), (400.0, 50.0)),
+        "mediastinum": (tr("Mediastinum"), (350.0, 50.0)),
+        "lung": (tr("Lung"), (1500.0, -600.0)),
+        "bone": (tr("Bone"), (1800.0, 400.0)),
+        "brain": (tr("Brain"), (80.0, 40.0)),
+        "liver": (tr("Liver"), (150.0, 30.0)),
     }
 )
-"""Width and level of the usual windows of CT, in Hounsfield units: radiopaedia.org, "Windowing (CT)"."""
+"""Titles, widths and levels of the usual windows of CT, in Hounsfield units: radiopaedia.org, "Windowing (CT)"."""
 
 _SHOW_COLORS = "colors"
 """Value of the option that shows an image in color."""
@@ -79,8 +82,12 @@ class ImageLayer(Layer):
             "range",
             tr("Range"),
             WHOLE_RANGE,
-            tr("Range of gray values; values below are black, values above are white."),
+            tr(
+                "Range of gray values; values below are black, values above are white. Hot pixels and padding far from "
+                "all others do not count."
+            ),
             {
+                _FILE_RANGE: tr("As the file states"),
                 WHOLE_RANGE: tr("All gray values"),
                 AUTOMATIC_RANGE: tr("All except 0.1 % at either end"),
                 "1": tr("All except 1 % at either end"),
@@ -103,9 +110,9 @@ class ImageLayer(Layer):
         enable_caching(self._item)
         self.add_items(self._item)
         self.gray_range = self.window = (0.0, 1.0)
-        """Smallest and largest gray value of the image; gray values shown as black and white."""
+        """Gray values shown as black and white at first, `Image.shown_range`; the same now."""
         self.window_bounds = self.gray_range
-        """Bounds of a window set by hand: the gray range, of CT extended by the usual windows."""
+        """Bounds of a window set by hand: the gray range, extended by that of the file and the usual ones of CT."""
 
     @property
     def shades(self) -> Pixels | None:
@@ -158,11 +165,13 @@ class ImageLayer(Layer):
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
         whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
-            self.gray_range = self.window_bounds = self.window = whole.gray_range
-            if whole.is_ct:
-                low, high = zip(self.gray_range, *map(window_from_level, CT_WINDOWS.values()), strict=True)
-                self.window_bounds = min(low), max(high)
-            if self.get_choice("range") == _MANUAL_RANGE:
+            self.gray_range = self.window = whole.shown_range
+            usual = [window_from_level(window) for _, window in CT_WINDOWS.values()] if whole.is_ct else []
+            low, high = zip(self.gray_range, whole.window or self.gray_range, *usual, strict=True)
+            self.window_bounds = min(low), max(high)
+            if whole.window is not None:
+                self.option_values["range"] = _FILE_RANGE
+            elif self.get_choice("range") in (_MANUAL_RANGE, _FILE_RANGE):
                 # a window set by hand for another image does not apply to this one
                 self.option_values["range"] = WHOLE_RANGE
             self._apply_range()
@@ -176,10 +185,12 @@ class ImageLayer(Layer):
     def _apply_range(self) -> None:
         """Set the window from the selected range."""
         way, image = self.get_choice("range"), self.scene.full_image
-        if image is not None and way != _MANUAL_RANGE:
-            self._apply_window(
-                *(self.gray_range if way == WHOLE_RANGE else percentile_window(image.values, float(way)))
-            )
+        if image is None or way == _MANUAL_RANGE:
+            return
+        if way in (WHOLE_RANGE, _FILE_RANGE):
+            self._apply_window(*((way == _FILE_RANGE and image.window) or self.gray_range))
+        else:
+            self._apply_window(*percentile_window(image.values, float(way)))
 
     def _apply_window(self, low: float, high: float) -> None:
         self.window = (low, high)

@@ -182,14 +182,16 @@ class LevelsEditor(QWidget):
             row.addWidget(field, 1)
         tip = tr("Width and level of the range: white minus black, and the middle between them.")
         self.figures = create_dim_label(tip=tip)
-        usual = {name: f"{name}  {format_window(window_from_level(window))}" for name, window in CT_WINDOWS.items()}
+        usual = {
+            name: f"{title}  {format_window(window_from_level(window))}" for name, (title, window) in CT_WINDOWS.items()
+        }
         self.usual = ChoiceBox(usual)
         self.usual.setPlaceholderText(tr("CT window"))
         self.usual.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.usual.setMinimumContentsLength(10)
         self.usual.setAccessibleName(tr("CT window"))
         self.usual.setToolTip(tr("The usual windows of CT, in Hounsfield units."))
-        self.usual.value_selected.connect(lambda name: self.moved.emit(*window_from_level(CT_WINDOWS[name])))
+        self.usual.value_selected.connect(lambda name: self.moved.emit(*window_from_level(CT_WINDOWS[name][1])))
         self.usual.setVisible(image.is_ct)
         below = fill_layout(QHBoxLayout(), self.figures, self.usual, wide=self.usual)
         fill_layout(QVBoxLayout(self), self.histogram, row, below, spacing=4)
@@ -199,7 +201,7 @@ class LevelsEditor(QWidget):
         self.low.show_value(low)
         self.high.show_value(high)
         self.figures.setText(format_window((low, high)))
-        usual = (name for name, window in CT_WINDOWS.items() if window_from_level(window) == (low, high))
+        usual = (name for name, (_, window) in CT_WINDOWS.items() if window_from_level(window) == (low, high))
         self.usual.show_value(next(usual, ""))
         if not (self._lines.moving or any(line.moving for line in self._lines.lines)):
             with QSignalBlocker(self._lines):

@@ -53,6 +53,8 @@ class ObjectTool(Tool):
     @property
     def advice(self) -> str:
         """Sentence on what to do next."""
+        if self.volume is not None and self._selection.selecting and not self._selection.answered:
+            return tr("Finding the body…")
         if not self._selection.ready:
             return ""
         if self._selection.selecting:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from PySide6.QtCore import Qt
 
@@ -94,7 +95,8 @@ class PathTool(Tool):
                 self.finish()
             return
         self._is_first = not self._corners
-        self._begun = self.current_slice if self._is_first else self._begun
+        if self._is_first:  # what is stored knows no transposed slices
+            self._begun = self.current_slice and replace(self.current_slice, transposed=False)
         self._corners.append(self._snap_direction(at))
 
     def on_drag(self, at: Place) -> None:

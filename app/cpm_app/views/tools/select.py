@@ -28,7 +28,7 @@ class SelectTool(ShapeTool):
     """Selects by a click, or by a frame around several items.
 
     A shape moves with the pointer, and its handles reshape it. A frame with Shift adds to the selection, with Ctrl
-    removes from it; a click with either key toggles the item. In a volume, a click outside all items moves the cross.
+    removes from it; a click with either key toggles the item. In a volume, a click that hits no shape moves the cross.
     """
 
     name = "select"
@@ -88,7 +88,7 @@ class SelectTool(ShapeTool):
             self._part, self._anchor = found.part, found.handle or at
             self._list.select_items(())
             return
-        self._crossing = key is None and self.current_slice is not None
+        self._crossing = self.current_slice is not None
         self._met_keys = frozenset(() if key is None else (key,))
         self._removes = (
             key in self._selected_before

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen
 from cpm_app.model.display.lengths import find_scale_bar
 from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.view_in_space import AXIS_COLORS, ViewInSpace
-from cpm_app.model.volume.slices import axis_ends
+from cpm_app.model.volume.slices import axis_labels
 from cpm_app.views.theme import theme
 from cpm_core.numerics.types import Pixels
 
@@ -32,7 +32,7 @@ _AXIS_NAME_GAP = 12.0
 def draw_marks(painter: QPainter, view: ViewInSpace, camera: Camera, size: QSize) -> None:
     """Draw names at both ends of each axis, and a scale bar in the unit of the volume, over a picture of a camera."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    for axis, names in enumerate(axis_ends(view.image) if view.shown.box else ()):
+    for axis, names in enumerate(axis_labels(view.image) if view.shown.box else ()):
         ends = np.zeros((2, 3))
         ends[1, axis] = view.lengths[axis]
         seen = camera.project(ends, (size.height(), size.width()))[:, :2].astype(float)

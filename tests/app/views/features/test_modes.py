@@ -193,7 +193,7 @@ def test_objects_have_a_skeleton_of_their_own_that_follows_them(window, hand) ->
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     first = session.scene.skeleton
     assert np.concatenate(first.radii).max() == pytest.approx(5.0, abs=0.1)
-    larger = replace(item, boundary=(tuple((row * 1.2, col) for row, col in boundary),))
+    larger = replace(item, region=Region((tuple((row * 1.2, col) for row, col in boundary),)))
     session.edit("larger", lambda document: replace(document, objects=SegmentedObjects((larger,))))
     hand.wait(lambda: session.scene.skeleton not in (None, first) and session.idle)
     assert np.concatenate(session.scene.skeleton.radii).max() == pytest.approx(6.0, abs=0.1)

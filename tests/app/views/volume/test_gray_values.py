@@ -12,6 +12,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
 from tests.app.views.volume.conftest import open_file
+from tests.core.formats.images.made import write_series
 
 pytestmark = pytest.mark.shared_window
 
@@ -80,6 +81,28 @@ def test_the_automatic_range_of_a_volume_leaves_out_its_extremes(window, hand, t
     hand.key(KEY.Key_W, Qt.KeyboardModifier.AltModifier)
     hand.wait(lambda: layer(window).window == (50.0, 100.0))
     assert in_space(window).contents.shaded.window.high == 100.0
+
+
+@pytest.mark.own_window
+def test_the_window_of_the_header_comes_first_and_keys_choose_those_of_ct(window, hand, tmp_path) -> None:
+    write_series(tmp_path / "head", range(10), Modality="CT", RescaleSlope=1.0, RescaleIntercept=-1024.0,
+                 WindowCenter=40.0, WindowWidth=350.0)  # fmt: skip
+    window.open_image(str(tmp_path / "head"))
+    hand.wait(lambda: window.session.image is not None and window.session.image.is_ct and window.session.idle)
+    hand.wait(lambda: window.turns.is_idle)
+    assert layer(window).window == (-135.0, 215.0)
+    assert layer(window).get_choice("range") == "file"
+    for key, ends in (("F1", (-150, 250)), ("F2", (-1350, 150)), ("F3", (-500, 1300)), ("F4", (0, 80))):
+        hand.key(getattr(KEY, f"Key_{key}"), Qt.KeyboardModifier.ShiftModifier)
+        assert layer(window).window == ends
+        assert all(view.layers.image.window == ends for view in window.get_feature(SlicesFeature).sides)
+    layer(window).set_option("range", "file")
+    assert layer(window).window == (-135.0, 215.0)
+    np.save(tmp_path / "plain.npy", np.arange(8000.0).reshape(20, 20, 20))
+    open_file(window, hand, tmp_path / "plain.npy")
+    assert layer(window).window == (0.0, 7999.0)
+    hand.key(KEY.Key_F4, Qt.KeyboardModifier.ShiftModifier)
+    assert layer(window).window == (0.0, 7999.0), "these are no Hounsfield units"
 
 
 @given(

@@ -338,6 +338,25 @@ def test_what_is_typed_after_the_key_for_names_before_the_answer_goes_into_the_n
     hand.wait(hand.canvas.hasFocus)
 
 
+def test_a_click_in_the_background_is_marked_says_that_it_finds_nothing_and_binds_no_later_click(volume, hand) -> None:
+    hand.key(KEY.Key_W)
+    volume.workspace.slices.go_to(round(ONE[0]))
+    selection = volume.workspace.object_selection
+    hand.click(24.0, 5.0)
+    assert [each.places[0][1:] for each in volume.session.scene.objects.awaited] == [
+        pytest.approx((24.0, 5.0), abs=0.5)
+    ]
+    assert volume.canvas_area.hint.text() == "Finding the body…"
+    hand.wait(lambda: selection.answered and selection.idle)
+    assert "No body was found at this place." in volume.canvas_area.messages.text
+    assert volume.canvas_area.hint.text() != "Finding the body…"
+    assert not volume.workspace.object_list.rows
+    hand.click(*ONE[1:])
+    hand.wait(lambda: selection.answered and selection.idle)
+    assert len(volume.session.document.objects.clicks) == 1
+    assert selection.proposals[0].selection.contains(np.array([ONE]))[0]
+
+
 @pytest.mark.parametrize("key", [KEY.Key_F2, KEY.Key_Delete, KEY.Key_Backspace, KEY.Key_M, KEY.Key_K])
 def test_what_follows_enter_before_the_answer_is_done_after_it(volume, hand, key) -> None:
     hand.canvas.setFocus()

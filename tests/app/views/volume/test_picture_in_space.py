@@ -45,7 +45,7 @@ def blank() -> Picture:
 def of_shape(shape: tuple[int, ...], spacing: tuple[float, ...] = (1.0, 1.0, 1.0), **more: object) -> ViewInSpace:
     """A view of a volume of this shape."""
     image = Image(np.arange(float(np.prod(shape))).reshape(shape), spacing)
-    return ViewInSpace(image, ShadedVolume(image.values, WHOLE), Slices.through_middle(shape), **more)
+    return ViewInSpace(image, ShadedVolume(image.values, WHOLE), Slices.through_middle(image), **more)
 
 
 def front(scale: float = 1.0) -> Camera:

@@ -49,7 +49,7 @@ def contents(**more: object) -> ViewInSpace:
 def of(voxels: np.ndarray, spacing: tuple[float, ...], unit: str | None, **more: object) -> ViewInSpace:
     image = Image(voxels.astype(float), spacing, unit)
     return ViewInSpace(
-        image, ShadedVolume(image.values, IntensityWindow(0.0, 255.0)), Slices.through_middle(image.shape), **more
+        image, ShadedVolume(image.values, IntensityWindow(0.0, 255.0)), Slices.through_middle(image), **more
     )
 
 

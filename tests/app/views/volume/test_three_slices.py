@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.preferences.table import WHEEL_PREFERENCE
 from cpm_app.views.features.volumes import SlicesFeature
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
@@ -15,6 +16,7 @@ from tests.app.views.volume.conftest import ball, move, press, release
 pytestmark = pytest.mark.shared_window
 
 LEFT, SHIFT = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier
+NOTHING, CTRL = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ControlModifier
 
 
 def sides(window):
@@ -26,7 +28,7 @@ def lines(view) -> list[float]:
     return [line.value() for line in view.cross._lines]
 
 
-def turn_wheel(view, notches, at, keys=Qt.KeyboardModifier.NoModifier) -> None:
+def turn_wheel(view, notches, at, keys=NOTHING) -> None:
     port, at = view.viewport(), QPointF(at)
     event = QWheelEvent(at, port.mapToGlobal(at), QPoint(), QPoint(0, 120 * notches), Qt.MouseButton.NoButton, keys,
                         Qt.ScrollPhase.NoScrollPhase, False)  # fmt: skip
@@ -61,11 +63,52 @@ def test_a_click_beside_the_canvas_moves_the_cross_and_with_it_the_slice(volume,
     assert not volume.session.document.shapes
 
 
-def test_the_wheel_beside_the_canvas_goes_through_the_slices_there(volume) -> None:
-    _, columns = sides(volume)
-    turn_wheel(columns, -2, columns.viewport().rect().center())
-    assert volume.session.scene.slices.voxel == (12, 14, 18)
-    assert volume.session.scene.slices.axis == 0
+@pytest.mark.parametrize("wheel", ["scrolls", "zooms"])
+def test_the_wheel_scrolls_in_each_view_and_zooms_with_ctrl_or_the_other_way_round(volume, wheel) -> None:
+    volume.preferences.store_preference(WHEEL_PREFERENCE, wheel)
+    to_scroll, to_zoom = (NOTHING, CTRL) if wheel == "scrolls" else (CTRL, NOTHING)
+    for axis, view in enumerate((volume.canvas_area.canvas, *sides(volume))):
+        voxel, before = [*volume.session.scene.slices.voxel], view.magnification
+        turn_wheel(view, -2, view.viewport().rect().center(), to_scroll)
+        voxel[axis] += 2
+        assert volume.session.scene.slices.voxel == tuple(voxel)
+        assert view.magnification == before
+        turn_wheel(view, 2, view.viewport().rect().center(), to_zoom)
+        assert view.magnification == pytest.approx(1.44 * before)
+        assert volume.session.scene.slices.voxel == tuple(voxel)
+        turn_wheel(view, -2, view.viewport().rect().center(), to_zoom)
+    volume.preferences.store_preference(WHEEL_PREFERENCE, WHEEL_PREFERENCE.default)
+
+
+def test_the_wheel_with_shift_sizes_the_brush_in_each_view(volume, hand) -> None:
+    hand.key(Qt.Key.Key_J)
+    tool, voxel = hand.canvas.dispatcher.tool, volume.session.scene.slices.voxel
+    for view in (hand.canvas, *sides(volume)):
+        before = tool.radius
+        turn_wheel(view, 1, view.viewport().rect().center(), SHIFT)
+        assert tool.radius != before
+    assert volume.session.scene.slices.voxel == voxel
+
+
+@pytest.mark.parametrize("button", [Qt.MouseButton.RightButton, LEFT])
+def test_the_right_button_and_the_select_tool_move_the_cross_on_the_canvas(volume, hand, button) -> None:
+    if button == LEFT:
+        hand.key(Qt.Key.Key_S)
+    press(hand.canvas, (9.0, 9.0), button)
+    assert volume.session.scene.slices.voxel == (12, 9, 9)
+    move(hand.canvas, (5.0, 20.0), button)
+    release(hand.canvas, (5.0, 20.0), button)
+    assert volume.session.scene.slices.voxel == (12, 5, 20)
+    assert [lines(view) for view in sides(volume)] == [[12, 20], [12, 5]]
+
+
+def test_a_click_that_selects_an_object_moves_the_cross_too(volume, hand) -> None:
+    hand.key(Qt.Key.Key_J)
+    hand.drag((10, 10), (10, 14))
+    hand.key(Qt.Key.Key_S)
+    hand.click(10, 12)
+    assert len(volume.workspace.object_list.selected_keys) == 1
+    assert volume.session.scene.slices.voxel == (12, 10, 12)
 
 
 def test_what_is_drawn_in_one_slice_is_seen_in_all_that_cut_it(volume, hand) -> None:

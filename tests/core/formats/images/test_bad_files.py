@@ -220,6 +220,7 @@ SIGNATURES = {
     "SVG": b"<svg xmlns='http://www.w3.org/2000/svg'/>",
     "HEIC": b"\0\0\0\x18ftypheic\0\0\0\0",
     "HDF5": b"\x89HDF\r\n\x1a\n" + bytes(30),
+    "MINC": b"CDF\x01" + bytes(30),
 }
 
 

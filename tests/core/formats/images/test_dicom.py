@@ -113,7 +113,7 @@ def test_other_files_of_the_folder_do_not_matter_and_damaged_ones_are_told(tmp_p
     (tmp_path / "s" / "bad.dcm").write_bytes(content[:150] + b"\xff" * 60)
     volume = load_volume(tmp_path / "s")
     assert volume.shape == SHAPE
-    assert volume.notes in ((), ("1 of its files is damaged and left out.",))
+    assert volume.notes in ((), ("1 of its files was left out, which cannot be read.",))
 
 
 def test_without_positions_slices_come_in_the_order_of_their_numbers(tmp_path):
@@ -339,6 +339,14 @@ def test_colors_that_pydicom_does_not_unpack_are_unpacked_by_imagecodecs(tmp_pat
     assert np.array_equal(load_image(tmp_path / "a.dcm").colors.samples, colors)
 
 
+def test_colors_that_jpeg_2000_has_turned_are_those_of_the_file():
+    pytest.importorskip("imagecodecs")
+    image = load_image(pydicom.data.get_testdata_file("GDCMJ2K_TextGBR.dcm"))
+    shades, counts = np.unique(image.colors.samples.reshape(-1, 3), axis=0, return_counts=True)
+    most = {tuple(shade) for shade in shades[np.argsort(-counts)[:4]].tolist()}
+    assert most == {(128, 128, 128), (255, 0, 0), (0, 255, 0), (0, 0, 255)}
+
+
 @pytest.mark.parametrize(
     ("modality", "kind", "found"), [("CT", None, True), ("CT", "HU", True), ("CT", "US", False), ("MR", None, False)]
 )
@@ -350,6 +358,26 @@ def test_rescaled_values_of_ct_are_hounsfield_units_as_the_file_says(tmp_path, m
     volume = load_volume(tmp_path)
     assert volume.is_ct == load_image(tmp_path).is_ct == found
     assert np.array_equal(volume.values[:10], 2.0 * VALUES[:10] - 1024.0)
+
+
+def test_the_window_of_a_series_is_that_of_its_middle_slice_and_its_first_of_several(tmp_path):
+    write_series(tmp_path, range(11))
+    assert load_volume(tmp_path).window is None
+    for path in tmp_path.iterdir():
+        slice_ = pydicom.dcmread(path)
+        slice_.WindowCenter, slice_.WindowWidth = [40.0 + slice_.InstanceNumber, 0.0], [400.0, 10.0]
+        slice_.save_as(path)
+    assert load_volume(tmp_path).window == (46.0 - 200.0, 46.0 + 200.0)
+
+
+def test_the_window_of_an_inverted_file_is_inverted_with_its_values(tmp_path):
+    window = {"WindowCenter": 120.0, "WindowWidth": 100.0, "RescaleSlope": 2.0, "RescaleIntercept": -30.0}
+    write_slice(tmp_path / "plain.dcm", VALUES[0], **window)
+    write_slice(tmp_path / "inverted.dcm", VALUES[0], PhotometricInterpretation="MONOCHROME1", **window)
+    plain, inverted = (load_image(tmp_path / name) for name in ("plain.dcm", "inverted.dcm"))
+    assert plain.window == (70.0, 170.0)
+    shown, turned = ((image.values - image.window[0]) / 100.0 for image in (plain, inverted))
+    np.testing.assert_allclose(turned, 1.0 - shown)
 
 
 def test_ct_without_a_rescaling_has_no_hounsfield_units(tmp_path):

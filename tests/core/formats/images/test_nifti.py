@@ -208,3 +208,11 @@ def test_a_size_that_is_given_leaves_both_places_of_the_first_voxel(tmp_path):
     volume = load_volume(tmp_path / "a.nii.gz", spacing=(1.0, 1.0, 1.0), unit="mm")
     np.testing.assert_allclose(volume.geometry.affine(volume.spacing)[:, 3], OTHER[:, 3], atol=1e-4)
     np.testing.assert_allclose(volume.geometry.qform_affine(volume.spacing)[:, 3], affine()[:, 3], atol=1e-4)
+
+
+@pytest.mark.parametrize(("low", "high", "found"), [(10.0, 90.0, (10.0, 90.0)), (0.0, 0.0, None)])
+def test_the_window_is_that_of_the_header_where_it_states_one(tmp_path, low, high, found):
+    volume = nibabel.Nifti1Image(np.arange(1000, dtype=np.int16).reshape(10, 10, 10), np.eye(4))
+    volume.header["cal_min"], volume.header["cal_max"] = low, high
+    nibabel.save(volume, tmp_path / "a.nii")
+    assert load_volume(tmp_path / "a.nii").window == found

@@ -186,3 +186,13 @@ def test_what_a_phone_adds_to_a_photo_is_no_frame(tmp_path, sides):
     assert (image.shape, image.notes) == (BYTES.shape[1:], ())
     with pytest.raises(ValueError, match="has 1 of them"):
         load_image(tmp_path / "a.jpg", page=2)
+
+
+@pytest.mark.parametrize("kept", [0.5, 0.9])
+def test_a_stack_of_imagej_with_fewer_images_than_it_says_is_no_single_image(tmp_path, kept):
+    tifffile.imwrite(tmp_path / "a.tif", np.zeros((10, 20, 30), np.uint16), imagej=True, metadata={"axes": "ZYX"})
+    content = (tmp_path / "a.tif").read_bytes()
+    assert load_volume(tmp_path / "a.tif").shape == (10, 20, 30)
+    (tmp_path / "a.tif").write_bytes(content[: int(kept * len(content))])
+    with pytest.raises(ValueError, match=r"a\.tif is damaged or cut short"):
+        load_image(tmp_path / "a.tif")

@@ -12,6 +12,7 @@ import tifffile
 from cpm_core import Geometry, Image, Result, Surface
 from cpm_core.contours.surface import label_voxels
 from cpm_core.formats import VOLUMES_WRITABLE, export, to_bytes
+from cpm_core.formats.meshes.triangles import triangulate_polygons
 from cpm_core.numerics.grids import zero_surface
 
 SHAPE, SPACING = (16, 20, 24), (2.0, 0.5, 1.0)
@@ -120,3 +121,9 @@ def test_an_open_surface_has_no_inside():
     opened = Surface(SURFACE.vertices, SURFACE.faces[1:], SPACING, "mm")
     with pytest.raises(ValueError, match="no closed surface"):
         to_bytes(result_with(opened), ".nii")
+
+
+@pytest.mark.parametrize("counts", [[3, 2**40], [3, -1, 1], [4]])
+def test_polygons_of_another_number_of_corners_are_refused_and_take_no_memory(counts):
+    with pytest.raises(ValueError, match="another number of corners"):
+        triangulate_polygons(counts, [0, 1, 2])

@@ -89,6 +89,8 @@ def test_no_state_is_read_that_compiled_loops_cannot_bear(states) -> None:
         "outside the image": {"position": array_to_json(outside)},
         "found": {"found": array_to_json(np.zeros((1, 1), np.int32))},
         "scale of state": {"scale": 9},
+        "reach of state": {"mesh": {"reach": 0.0}},
+        "mesh of state": {"mesh": {"reach": 30.0, "force": array_to_json(np.zeros((2, 2, 2), np.float32))}},
         "velocity": {"velocity": array_to_json(np.full_like(outside, np.nan))},
         "crept of state has the shape": {"crept": array_to_json(np.zeros(state.count + 1))},
         "crept of state contains a distance below 0": {"crept": array_to_json(np.full(state.count, -1.0))},

@@ -245,6 +245,8 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
         (b'{"cpm-session": 3, "shapes": [{"shape": "points", "positions": []}]}', "shape 1 (points)"),
         (b'{"cpm-session": 3, "parameters": {"beta": -Infinity}}', "beta"),
         (b'{"cpm-session": 3, "parameters": {"beta": "auto"}}', 'beta is "auto"'),
+        (b'{"cpm-session": 3, "view": {"layers": [1e999]}}', "view holds a number that is not finite"),
+        (b'{"cpm-session": 3, "later": NaN}', "the session holds a number that is not finite"),
         (b'{"cpm-session": 3, "objects": {"classes": [{"name": "", "color": "red"}]}}', "#rrggbb"),
         (100_000 * b"[", "not a session file"),
     ],
@@ -257,6 +259,14 @@ def test_an_error_is_reported_in_one_sentence(content: bytes, words: str) -> Non
     assert sentence.endswith(".")
     assert "\n" not in sentence
     assert len(sentence) < 300
+
+
+@pytest.mark.parametrize("key", ["runs", "pages"])
+def test_recorded_work_with_an_infinite_number_is_left_out_with_a_note(key: str) -> None:
+    session = decode_session(b'{"cpm-session": 3, "%s": {"points": [[1.0, Infinity]]}}' % key.encode(), "a.cpm")
+    assert not getattr(session, key)
+    assert session.notes[0].endswith(f"left out: {key} holds a number that is not finite.")
+    assert encode_session(session, Path("/folder"))
 
 
 def test_files_that_are_none_are_told(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from cpm_core.field.scale_field import build_scale_field
 from cpm_core.model.coverage import idle_steps_at
 from cpm_core.model.equations import IDLE_STEPS, STILL_DISTANCE, equilibrium_epsilon
 from cpm_core.model.plane import step as plane_step
-from cpm_core.model.plane.motion import move_in_plane
+from cpm_core.model.plane.motion import current_mesh_force, move_in_plane
 from cpm_core.model.plane.step import insert_and_delete, move_particles
 
 from ...scenes import disk
@@ -42,7 +42,8 @@ def idle(state):
 def test_the_first_half_moves_all_particles_and_measures_it(scale_field):
     before = state_of(cloud(SHAPE, 120, 0), 30)
     after, moved = move_particles(before, idle(before), scale_field, PARAMETERS)
-    truth = move_in_plane(before.particles, idle(before), scale_field, PARAMETERS)
+    mesh = current_mesh_force(before, idle(before), scale_field, PARAMETERS)
+    truth = move_in_plane(before.particles, idle(before), mesh, scale_field, PARAMETERS)
     np.testing.assert_array_equal(after.particles.position, truth[0].position)
     way = np.linalg.norm(after.particles.position - before.particles.position, axis=1)
     np.testing.assert_allclose(moved, way, atol=1e-12)
@@ -95,7 +96,7 @@ def ranges(monkeypatch):
 
 
 def test_annealing_counts_for_each_particle_since_cells_near_it_were_newly_covered(ranges, scale_field):
-    before = state_of(cloud(SHAPE, 120, 0), 29)
+    before = state_of(cloud(SHAPE, 120, 0), 30)
     half, after = second_half(scale_field, before)
     truth = []
     for place in half.particles.position:

@@ -1,0 +1,67 @@
+"""The background of a volume: what a click there would select has no edges around it."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+
+from cpm_core.image.surface import Surface
+from cpm_core.numerics.types import Array
+
+_SAME_LEVEL = 1.5
+"""Largest difference from the background of the median around a place that counts as none [its standard deviations]."""
+
+_MIN_EDGE = 4.0
+"""Least difference across a surface that is no noise [standard deviations of the background]."""
+
+_MIN_NOISE = 0.005
+"""Least standard deviation of the background, as a fraction of the range of gray levels."""
+
+_EDGE_DISTANCE = 1.5
+"""Distance from a surface at which gray levels are compared [smallest side of a voxel]."""
+
+_MAX_EDGE_SHARE = 0.5
+"""Share of a surface along edges up to which it bounds nothing."""
+
+
+def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
+    """Tell whether a place lies in the background of a volume, and so does most of the surface found around it.
+
+    Gray levels at the place are those of the outermost voxels of the volume, and along most of the surface they differ
+    by no more than noise, or it runs along the end of the volume.
+
+    Parameters
+    ----------
+    values : ndarray, shape (P, R, C)
+        Gray levels of the volume.
+    place : ndarray, shape (3,)
+        Place in it [voxels].
+    surface : Surface
+        Surface of what was found there.
+    """
+    level, noise = _measure_background(values)
+    at = np.clip(np.rint(place).astype(int), 0, np.array(values.shape) - 1)
+    around = values[tuple(slice(max(index - 1, 0), index + 2) for index in at)]
+    if abs(float(np.median(around)) - level) > _SAME_LEVEL * noise:
+        return False
+    return _edge_share(values, surface, _MIN_EDGE * noise) <= _MAX_EDGE_SHARE
+
+
+def _measure_background(values: Array) -> tuple[float, float]:
+    """Measure the gray level of the outermost voxels, and its standard deviation."""
+    border = np.concatenate([values.take([0, -1], axis).ravel() for axis in range(3)])
+    level = float(np.median(border))
+    noise = float(scipy.stats.median_abs_deviation(border, scale="normal"))
+    return level, max(noise, _MIN_NOISE * float(np.ptp(values)))
+
+
+def _edge_share(values: Array, surface: Surface, difference: float) -> float:
+    """Return the share of the vertices of a surface, within the volume, across which gray levels differ."""
+    away = _EDGE_DISTANCE * surface.normals * (min(surface.spacing) / np.array(surface.spacing))
+    inner, outer = (
+        scipy.ndimage.map_coordinates(values, places.T, float, order=1, mode="nearest")
+        for places in (surface.vertices - away, surface.vertices + away)
+    )
+    last = np.array(values.shape) - 1.0
+    within = ((surface.vertices + away >= 0.0) & (surface.vertices + away <= last)).all(axis=1)
+    return float((within & (np.abs(inner - outer) > difference)).mean())
