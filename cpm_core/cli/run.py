@@ -46,6 +46,7 @@ from cpm_core.formats import (
     find_format_suffix,
     load_image,
     load_volume,
+    open_stack,
 )
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenance, record_drawn_shapes
 from cpm_core.formats.images.reading import Reading
@@ -154,6 +155,8 @@ def _run_image(request: RunRequest) -> int:
     session = request.session
     image = (load_volume if request.is_volume else load_image)(request.path, **request.part)
     parameters = fit_parameters(image, request.parameters, scales=request.fits_scales)
+    if not request.is_volume and request.part.get("page") is None and _is_plane_of_volume(request):
+        print_message(f"{image.source}: --volume runs all of its planes.")
     truth = load_named_truth(request.truth_file, image)
     for place in request.positive_points:
         if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
@@ -214,6 +217,11 @@ def _run_image(request: RunRequest) -> int:
         lines.append(sentence)
     advice = _CLOSE_ADVICE if any(count_left_out(shown, find_format_suffix(path)) for path in files.refused) else ""
     return print_report("run", request.as_json, facts, lines, files, advice)
+
+
+def _is_plane_of_volume(request: RunRequest) -> bool:
+    """Return whether the image of a run is the middle plane of a volume, which was taken by default."""
+    return open_stack(request.path, request.part.get("series")).default_plane > 0
 
 
 def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:
@@ -313,4 +321,7 @@ def _measure_truth_agreement(result: Result, truth: Truth | VolumeTruth) -> tupl
     sentence += f", F {agreed['f']:.3f}"
     if agreed["hausdorff"] is not None:
         sentence += f", {agreed['mean_distance']:.2g} {unit} apart on average, {agreed['hausdorff']:.1f} {unit} at most"
+    count = int(truth.objects.max(initial=0))
+    if count > 1:
+        sentence += f", with all of its {count} objects together"
     return {"source": truth.source, **agreed, **of}, sentence

@@ -243,6 +243,9 @@ def _parse_option_numbers(arguments: argparse.Namespace, is_volume: bool) -> _Op
         **dict.fromkeys(("region", "barrier"), f"{place},{place if is_volume else '...'}"),
         **dict.fromkeys(("object", "not"), place),
     }
+    deep = [name for name in ("object", "not") for text in getattr(arguments, name) if text.count(",") == 2]
+    if deep and not is_volume:
+        raise ValueError(f"--{deep[0]} has a plane, a row and a column: add --volume, or give ROW,COL in an image.")
     return {
         name: [parse_number_list(f"--{name}", text, form) for text in getattr(arguments, name)]
         for name, form in forms.items()

@@ -17,7 +17,7 @@ from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar_objects import find_similar_objects
 from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import Parameters, choose_parameters
-from cpm_core.parameters.formatting import quote_value
+from cpm_core.parameters.formatting import format_size, quote_value
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 
@@ -149,13 +149,13 @@ def select_all(
         if isinstance(values, Partition):
             all_objects: Iterable[Selection] = find_objects_everywhere(values)
         else:
-            result = values if isinstance(values, Result) else _run_everywhere(as_plane(values), parameters)
+            result = values if isinstance(values, Result) else _run_everywhere(_as_plane_of_objects(values), parameters)
             all_objects = result.objects
         return tuple(one for one in all_objects if not one.confidence < min_confidence)
     if isinstance(values, Result):
         cut = Partition.from_result(values)
     else:
-        cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
+        cut = values if isinstance(values, Partition) else Partition(_as_plane_of_objects(values), ())
     found = list(like)
     taken = np.any([one.mask for one in like], axis=0)
     for one in like:
@@ -164,3 +164,14 @@ def select_all(
                 found.append(other)
                 taken |= other.mask
     return tuple(found)
+
+
+def _as_plane_of_objects(values: ArrayLike | Image) -> Image:
+    """Convert values to an image; ValueError for a volume, whose objects are those of a run."""
+    image = as_image(values)
+    if image.ndim == 3:
+        raise ValueError(
+            f"{image.source} is a volume, {format_size(image.shape)} voxels: run it, and take the objects of the "
+            "result, cpm.segment(...).objects."
+        )
+    return as_plane(image)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_core.numerics.types import frozen
+from cpm_core.objects.segmented import SegmentedObject
 
 MAX_UNDO_CHANGES = 500
 """Largest number of changes that can be undone."""
@@ -74,6 +75,16 @@ class UndoHistory:
     def redo_name(self) -> str:
         """Name of the change that redo repeats, empty if there is none."""
         return self._undone[-1].name if self._undone else ""
+
+    def find_deleted_objects(self, run: int) -> tuple[SegmentedObject, ...]:
+        """Find the objects that changes have removed while a run, given by its number, was shown."""
+        found: list[SegmentedObject] = []
+        for change in self._done:
+            before, after = change.before.objects.items, change.after.objects.items
+            if len(after) < len(before) and change.place_before is not None and change.place_before.run == run:
+                left = {item.number for item in after}
+                found += (item for item in before if item.number not in left)
+        return tuple(found)
 
     def push(self, change: Change) -> None:
         """Record a change that has been made."""

@@ -105,8 +105,8 @@ class Stack:
 
     @property
     def default_plane(self) -> int:
-        """Index of the plane that is read by default: the middle one of a volume."""
-        return self.shape[0] // 2 if self.plane_word == "plane" else 0
+        """Index of the plane that is read by default: the middle one of a volume, whatever the kind of file."""
+        return self.shape[0] // 2 if self.plane_word == "plane" or self.has_plane_spacing else 0
 
 
 def read_plane(stack: Stack, reading: Reading) -> DecodedImage:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
@@ -72,6 +73,16 @@ def test_the_journal_goes_when_the_work_is_saved_taken_back_or_closed(window, ha
     assert written(window).exists()
     window.close()
     assert list(journals_folder().iterdir()) == []
+
+
+def test_the_question_counts_the_work_on_all_pages_of_a_stack(window, image_file) -> None:
+    path = leave(journals_folder(), image_file)
+    plain = json.loads(path.read_text("utf-8"))
+    page = {"page": 2, "given": False, "session": {**plain, "shapes": plain["shapes"][:1]}}
+    path.write_text(json.dumps({**plain, "pages": {"sessions": [page, {"page": 3}]}}), "utf-8")
+    box = offer(window)
+    assert "Objects: 0, shapes: 3" in box.informativeText()
+    press(box, "Discard")
 
 
 def test_nothing_is_written_where_nothing_would_be_lost(window) -> None:

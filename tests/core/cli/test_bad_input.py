@@ -37,6 +37,7 @@ BAD = [
     ("fly disk.png", "fly"),
     ("run disk.png", "No start"),
     ("run text.png --circle 40,50,12", "of an unknown kind"),
+    ("run ball.npy --object 9,9,9", "add --volume"),
     (f"run disk.png {CIRCLE} --cicle 1,2,3", "--cicle"),
     (f"run disk.png {CIRCLE} --beta much", 'beta is "much"'),
     (f"run disk.png {CIRCLE} --beta 9", "from 0 to 4"),

@@ -3,6 +3,7 @@
 import csv
 import json
 
+import nibabel
 import numpy as np
 import pytest
 import tifffile
@@ -43,6 +44,32 @@ def test_an_object_that_a_place_lies_in_is_written_alone_and_compared_with_label
     assert status == 2 and "no object" in err
     status, _, err = command("run", folder / "ball.npy", *SPHERE, "--truth", folder / "plane.npy")
     assert (status, err.startswith("cpm: plane.npy ")) == (2, True)
+
+
+def test_the_plane_that_is_taken_of_a_volume_is_named_whatever_the_kind_of_file(folder, command):
+    volume = np.load(folder / "ball.npy")
+    axes = {"axes": "ZYX", "spacing": 2.0, "unit": "um"}
+    tifffile.imwrite(folder / "ball.tif", volume, imagej=True, metadata=axes)
+    nibabel.save(nibabel.Nifti1Image(volume.T, np.eye(4)), folder / "ball.nii")
+    found = []
+    for name in ("ball.npy", "ball.tif", "ball.nii"):
+        status, out, err = command("run", folder / name, "--circle", "9.5,9.5,3", "--json")
+        lines = err.splitlines()
+        assert status == 0
+        assert any("of which" in line and "11 of 20 was taken" in line for line in lines)
+        assert f"cpm: {name}: --volume runs all of its planes." in lines
+        found.append(json.loads(out)["particles"])
+    assert found[0] == found[1] == found[2] > 0
+    assert "--volume" not in command("run", folder / "ball.npy", "--page", 3, "--auto", "grid")[2]
+
+
+def test_of_several_true_objects_it_is_told_that_all_are_compared_with(folder, command, tmp_path):
+    labels = np.load(folder / "labels.npy")
+    labels[:10] *= 2
+    np.save(tmp_path / "two.npy", labels)
+    for file, told in ((tmp_path / "two.npy", True), (folder / "labels.npy", False)):
+        status, out, _ = command("run", folder / "ball.npy", *SPHERE, "--truth", file)
+        assert (status, "with all of its 2 objects together" in out) == (0, told)
 
 
 @pytest.mark.parametrize(

@@ -267,13 +267,13 @@ class ImageProject(QObject):
 
     def toggle_proposing(self) -> None:
         """Have untouched images run with the settings of the open one as soon as they are opened, or no longer."""
-        messages, document = self._session.messages, self._session.document
+        messages = self._session.messages
         messages.clear(RUNNING_CATEGORY)
         if self.proposes:
             self._change(lambda project: replace(project, proposes=False))
             return
         settings = self._read_settings()
-        if settings is None or document.mode == "skeleton" or not settings.shapes:
+        if not _suits_all_images(settings):
             text = tr("Only a run from everywhere suits all images: choose the automatic mode, or start everywhere.")
             messages.show(text, True, RUNNING_CATEGORY)
             return
@@ -446,6 +446,8 @@ class ImageProject(QObject):
     def _keep_settings(self) -> None:
         """Let new images begin with the settings of the open one, if they have been changed in it."""
         settings = self._read_settings()
+        if self.proposes and not _suits_all_images(settings):
+            return  # what this image needed alone must not end the proposals on the others
         if settings is not None and settings != self._first_settings:
             self._first_settings = settings
             self._change(lambda project: replace(project, settings=settings))
@@ -496,6 +498,11 @@ class ImageProject(QObject):
         """Do not try again by itself what has failed and has been reported."""
         if failed.category == SAVING_CATEGORY:
             self._saving_fails = True
+
+
+def _suits_all_images(settings: SessionFile | None) -> bool:
+    """Tell whether any image can be run with settings: from everywhere, and not in a way that needs objects."""
+    return settings is not None and settings.mode != "skeleton" and bool(settings.shapes)
 
 
 def _prepare_run(path: Path, settings: SessionFile, task: BackgroundTask) -> SessionFile | None:

@@ -33,7 +33,7 @@ from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
-from cpm_core.objects.segmented import Click, selection_from_object
+from cpm_core.objects.segmented import Click, SegmentedObject, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
 
 _SAME_OBJECT_COVERAGE = 0.5
@@ -415,12 +415,19 @@ class ObjectSelection(QObject):
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
         known, found = self._session.document.objects, self._find_offered(partition)
-        made_of = partition, known.items, found, known.rejected, known.may_overlap
+        rejected = (*known.rejected, *self._deleted_objects)
+        made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
             self._selectors = {}
         if number not in self._selectors:
-            self._selectors[number] = Selector(partition, known.items, number, found, known.rejected, known.may_overlap)
+            self._selectors[number] = Selector(partition, known.items, number, found, rejected, known.may_overlap)
         return self._selectors[number]
+
+    @property
+    def _deleted_objects(self) -> tuple[SegmentedObject, ...]:
+        """The objects that the user has deleted from the shown run, which does not propose them again; another may."""
+        shown = self._session.scene.snapshot
+        return () if shown is None else self._session.history.find_deleted_objects(shown.timeline.run_generation)
 
     def _request_answer(self) -> None:
         """Request an answer if anything that it depends on has changed."""

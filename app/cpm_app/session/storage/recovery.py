@@ -6,6 +6,7 @@ start the program offers the journals whose processes have ended; each is delete
 
 from __future__ import annotations
 
+import json
 import uuid
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
@@ -23,6 +24,7 @@ from cpm_app.session.storage.preferences import Preferences, open_settings
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.session.tasks.opening import OpenRequest
 from cpm_core.formats import SESSION_SUFFIX, SessionFile, load_session, remove_abandoned_drafts, save_session
+from cpm_core.formats.sessions.session_file import decode_session
 from cpm_core.numerics.types import record
 
 JOURNAL_KEY = "journal"
@@ -144,6 +146,14 @@ class Leftover:
         saved = SavedSession(self.path, self.file, recovered=True)
         note = tr("{name} was restored and is not saved yet.", name=self.name)
         return OpenRequest(self.path or Path(self.name), self.file.parameters, saved=saved, notes=(note,))
+
+    def count_objects_and_shapes(self) -> tuple[int, int]:
+        """Count the objects and the shapes on all pages of a stack; pages that are damaged count for nothing."""
+        pages = [self.file]
+        for page in self.file.pages.get("sessions", ()):
+            with suppress(ValueError, TypeError, KeyError):
+                pages.append(decode_session(json.dumps(page["session"]).encode(), self.name))
+        return sum(len(page.objects.items) for page in pages), sum(len(page.shapes) for page in pages)
 
     def keep_for_later(self) -> None:
         """Leave the journal for another time."""

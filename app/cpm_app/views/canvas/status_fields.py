@@ -79,10 +79,15 @@ class ZoomReadout(QLabel):
         super().__init__()
         self._canvas = canvas
         self.setAccessibleName(tr("Zoom"))
-        self.setMinimumWidth(self.fontMetrics().horizontalAdvance("00000 %"))
+        self.setMinimumWidth(self.fontMetrics().horizontalAdvance(self._format("00000 %")))
         canvas.view.sigRangeChanged.connect(self._on_zoom_changed)
 
     def _on_zoom_changed(self, *_: object) -> None:
         percent = 100.0 * self._canvas.magnification
         shown = f"{percent:.0f} %" if percent >= 100.0 else f"{percent:.3g} %"
-        self.setText(shown if self._canvas.shape is not None else "")
+        self.setText(self._format(shown) if self._canvas.shape is not None else "")
+
+    @staticmethod
+    def _format(share: str) -> str:
+        """Name the number, which stands next to the gray value."""
+        return f"{tr('Zoom')} {share}"

@@ -355,7 +355,7 @@ class ExportDialog(QDialog):
         if not self.base.text().strip():
             problem = tr("Name the files.")
         count = tr("1 file") if len(order.files) == 1 else tr("{count} files").format(count=len(order.files))
-        self.summary.setText(problem or f"{count}: {', '.join(parts)}.")
+        self.summary.setText(problem or tr("{files}: {contents}.", files=count, contents=", ".join(parts)))
         self.export_button.setEnabled(not problem)
         self.resize(self.size().expandedTo(self.sizeHint()))
 

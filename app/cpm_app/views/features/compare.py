@@ -6,7 +6,7 @@ from cpm_app.model.display.differences import Difference
 from cpm_app.model.state.situation import has_image
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import FilesExported, Report
-from cpm_app.session.features.comparison import CURRENT_KEY
+from cpm_app.session.features.comparison import CURRENT_KEY, TRUTH_KEY
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.comparison.divider import Wipe
 from cpm_app.views.comparison.panel import ComparePanel
@@ -58,6 +58,7 @@ class CompareFeature(Feature):
         self.wipe.ended.connect(lambda: compared.select_row(CURRENT_KEY))
         compared.selection_changed.connect(self._show_divider)
         compared.changed.connect(window.refresh_actions)
+        compared.changed.connect(self._show_tab_of_truth)
         self.session.store.scene_changed.connect(self._draw_right_side)
         self.actions = (
             ActionSpec("compare", "Run", "Com&pare…",
@@ -67,6 +68,11 @@ class CompareFeature(Feature):
                        "Show the differences from the reference one after the other, the largest first.",
                        self.panel.jump_to_next, "Shift+W", when=lambda _: bool(self.session.scene.differences)),
         )  # fmt: skip
+
+    def _show_tab_of_truth(self) -> None:
+        """Add the tab once there is a ground truth, such as that of a session, without bringing it to the front."""
+        if TRUTH_KEY in self._compared.rows:
+            self.window.docks.set_tab_available("compare", True)
 
     def _show_divider(self) -> None:
         if self._compared.selected == CURRENT_KEY:

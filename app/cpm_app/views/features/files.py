@@ -490,7 +490,8 @@ def _describe_leftover(leftover: Leftover) -> Sequence[str]:
     when = QLocale().toString(
         QDateTime.fromSecsSinceEpoch(int(leftover.when.timestamp())), QLocale.FormatType.ShortFormat
     )
-    image, objects, shapes = leftover.file.image, len(leftover.file.objects.items), len(leftover.file.shapes)
+    image = leftover.file.image
+    objects, shapes = leftover.count_objects_and_shapes()
     session = elide_middle(str(leftover.path), _MAX_SHOWN_PATH) if leftover.path else tr("never saved")
     return (
         tr("Last changed: {when}", when=when),

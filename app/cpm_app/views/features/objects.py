@@ -6,7 +6,7 @@ from functools import partial
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor, QKeyEvent
-from PySide6.QtWidgets import QMenu
+from PySide6.QtWidgets import QLineEdit, QMenu
 
 from cpm_app.model.document.modes import switch_to_skeleton
 from cpm_app.model.document.objects import (
@@ -25,7 +25,7 @@ from cpm_app.views.theme.icons import create_swatch, fill_colors
 from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_menu_action
 from cpm_app.views.widgets.containers import DELETE_KEYS
 from cpm_app.views.window.docks import Panel
-from cpm_app.views.window.keyboard import KeyFilter
+from cpm_app.views.window.keyboard import KeyFilter, TypedAhead
 from cpm_app.views.window.window import Feature
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.polyline import as_line
@@ -88,7 +88,7 @@ class ObjectsFeature(Feature):
                        in_order(commands.reject_selected), "X",
                        when=lambda _: bool(objects.selected_rows or selection.proposals or selection.selecting)),
             ActionSpec("name_object", "Objects", "&Name…", "Name the selected object.",
-                       in_order(self.ask_for_name), "F2", gap=True, when=has_rows),
+                       self._ask_for_name_in_order, "F2", gap=True, when=has_rows),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
             ActionSpec("object_color", "Objects", "C&olor…", "Give objects a color of their own.",
                        ask_color, when=has_objects),
@@ -161,6 +161,16 @@ class ObjectsFeature(Feature):
         if came_from_canvas:
             once = Qt.ConnectionType.SingleShotConnection.value | Qt.ConnectionType.QueuedConnection.value
             table.itemDelegate().closeEditor.connect(canvas.setFocus, Qt.ConnectionType(once))
+
+    def _ask_for_name_in_order(self) -> None:
+        """Ask for a name once all that waits has been done; what is typed until then goes into the name."""
+        typed = TypedAhead(self.window.canvas_area.canvas, lambda: self._selection.has_waiting_actions)
+
+        def ask_and_type() -> None:
+            self.ask_for_name()
+            typed.type_into(self.panel.table.findChild(QLineEdit))
+
+        self._selection.do_in_order(ask_and_type)
 
     def handle_key(self, event: QKeyEvent) -> bool:
         """Handle the keys that act on the selection on the canvas; return whether the key was one of them."""

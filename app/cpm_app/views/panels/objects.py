@@ -78,13 +78,14 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
         named = bool(objects.classes[row.item.category - 1].name)
         return f"{row.item.category} " * named + class_title(objects, row.item.category)
 
-    def row_number(row: ObjectRow) -> int | None:
-        return abs(row.key[1]) or None
+    def row_number(row: ObjectRow) -> int | str | None:
+        number = abs(row.key[1])
+        return f"({number})" if row.kind == "proposal" and number else number or None
 
     return (
-        Column("number", tr("#"), tr("Number; it stays the same."),
+        Column("number", "#", tr("Number; it stays the same. That of a proposal is in brackets."),
                row_number, "000", number_format=".0f",
-               sort_by=lambda row: (row.kind == "proposal") * 1e7 + (row_number(row) or 0)),
+               sort_by=lambda row: (row.kind == "proposal") * 1e7 + abs(row.key[1])),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.item.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or that it is a proposal."),

@@ -32,7 +32,6 @@ class PresetBox(WheelWithFocus, QComboBox):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.setAccessibleName(tr("Preset"))
-        self.setToolTip(tr("Parameters that suit a kind of image, and your own presets."))
         self.activated.connect(lambda index: self.use_preset(self.itemData(index)))
         store.changed.connect(self._on_store_changed)
         store.changed.connect(window.refresh_actions)
@@ -74,6 +73,7 @@ class PresetBox(WheelWithFocus, QComboBox):
             for index, preset in enumerate(self.store.presets):
                 self.addItem(preset.name, preset.name)
                 self.setItemData(index, preset.about, Qt.ItemDataRole.ToolTipRole)
+            self.view().setMinimumWidth(self.view().sizeHintForColumn(0))  # the box may be narrower than a name
         self._shown_for = None
         self._on_document_changed(self._session.document)
 
@@ -87,3 +87,5 @@ class PresetBox(WheelWithFocus, QComboBox):
         whole = document.parameters == PRESETS["volume"]  # it suits no image, and is not in the box
         self.setPlaceholderText(tr("Volume") if whole else tr("Custom parameters"))
         self.setCurrentIndex(-1 if self.current is None else self.findData(self.current.name))
+        name = self.currentText() or self.placeholderText()  # the box may be too narrow for it
+        self.setToolTip(f"{name}\n{tr('Parameters that suit a kind of image, and your own presets.')}")

@@ -27,6 +27,7 @@ from PySide6.QtWidgets import (
     QLineEdit,
     QMenu,
     QSizePolicy,
+    QStyle,
     QStyledItemDelegate,
     QTableView,
     QToolButton,
@@ -309,10 +310,8 @@ class SortableTable(QTableView):
         self._stretched_column = self.column_index(wide)
         header.setSectionResizeMode(self._stretched_column, QHeaderView.ResizeMode.Stretch)
         self._columns_set_by_user: dict[int, bool] = {}
-        self._widths = [
-            self.fontMetrics().horizontalAdvance(column.sample) + _COLUMN_PADDING for column in rows.columns
-        ]
-        self._widths[self._stretched_column] += _COLUMN_PADDING  # room for the color
+        self._widths = self._measure_samples()
+        header.sortIndicatorChanged.connect(self._measure_columns)
 
     def column_index(self, column: str) -> int:
         """Return the index of a column."""
@@ -336,9 +335,22 @@ class SortableTable(QTableView):
     def showEvent(self, event: QShowEvent) -> None:
         """Make room for the whole titles, whose widths are known once the table is visible."""
         super().showEvent(event)
-        for index, width in enumerate(self._widths):
+        self._measure_columns()
+
+    def _measure_samples(self) -> list[int]:
+        """Return the widths that usual texts need."""
+        widths = [self.fontMetrics().horizontalAdvance(one.sample) + _COLUMN_PADDING for one in self.rows.columns]
+        widths[self._stretched_column] += _COLUMN_PADDING  # room for the color
+        return widths
+
+    def _measure_columns(self) -> None:
+        """Make room for the titles, and for the arrow in the column by which rows are sorted; Qt would in each."""
+        header = self.horizontalHeader()
+        arrow = self.style().pixelMetric(QStyle.PixelMetric.PM_HeaderMarkSize, None, header)
+        for index, width in enumerate(self._measure_samples()):
             self.setColumnHidden(index, False)
-            self._widths[index] = max(width, self.horizontalHeader().sectionSizeHint(index))
+            title = header.sectionSizeHint(index) - arrow * (index != header.sortIndicatorSection())
+            self._widths[index] = max(width, title)
             self.setColumnWidth(index, self._widths[index])
         self._fit_columns()
 

@@ -226,6 +226,44 @@ def focus_and_reveal(widget: QWidget) -> None:
         ancestor = ancestor.parentWidget()
 
 
+class TypedAhead(QObject):
+    """Filter that keeps what is typed in a widget, up to Enter or Escape, for a field that is about to open.
+
+    Parameters
+    ----------
+    widget : QWidget
+        It has the keyboard focus until the field opens.
+    is_awaited : callable
+        Returns whether the field is still going to open; once it is not, keys act as usual.
+    """
+
+    def __init__(self, widget: QWidget, is_awaited: Callable[[], bool]) -> None:
+        super().__init__(widget)
+        self._is_awaited = is_awaited
+        self._keys: list[QKeyEvent] = []
+        widget.installEventFilter(self)
+
+    def type_into(self, field: QWidget | None) -> None:
+        """Type in the field what has been kept."""
+        self.deleteLater()
+        for key in self._keys:
+            if field is not None and shiboken6.isValid(field):
+                QCoreApplication.sendEvent(field, key)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Keep a key that types or edits text, and let it be no shortcut."""
+        pressed = event.type() == QEvent.Type.KeyPress
+        if not isinstance(event, QKeyEvent) or not (pressed or event.type() == QEvent.Type.ShortcutOverride):
+            return False
+        ended = bool(self._keys) and self._keys[-1].key() in (*ENTER_KEYS, Qt.Key.Key_Escape)
+        if ended or not self._is_awaited() or not event.text() or event.modifiers() & ~_TEXT_MODIFIERS:
+            return False
+        if pressed:
+            self._keys.append(event.clone())
+        event.accept()
+        return True
+
+
 class KeyFilter(QObject):
     """Filter that passes the keys of a widget to `take` first, which returns whether it has handled a key."""
 

@@ -15,9 +15,9 @@ pytestmark = pytest.mark.shared_window
 
 def test_the_status_bar_shows_the_zoom_in_percent(window, hand) -> None:
     hand.canvas.zoom_to(2.5)
-    assert window.zoom_readout.text() == "250 %"
+    assert window.zoom_readout.text() == "Zoom 250 %"
     hand.canvas.zoom_to(0.5)
-    assert window.zoom_readout.text() == "50 %"
+    assert window.zoom_readout.text() == "Zoom 50 %"
 
 
 def test_the_wheel_keeps_what_is_under_the_pointer(window, hand) -> None:

@@ -99,6 +99,7 @@ def test_a_preset_is_chosen_with_the_keys_and_undone(window, hand, presets) -> N
     hand.qtbot.keyClick(presets, Qt.Key.Key_Down)
     assert window.session.document.parameters == PRESETS["automatic"]
     assert "Automatic" in presets.currentText()
+    assert presets.toolTip().startswith(f"{presets.currentText()}\n")
     window.panels["run"].parameters.rows["beta"].slider.setValue(3)
     assert presets.current is None
     assert (presets.currentText(), presets.placeholderText()) == ("", "Custom parameters")

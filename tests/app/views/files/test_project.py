@@ -19,7 +19,7 @@ from PySide6.QtGui import QDropEvent
 from cpm_core.formats import PROJECT_FOLDER, ProjectImage, Reading, load_project, load_session, project_session
 from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject
-from cpm_core.shapes import Circle
+from cpm_core.shapes import Circle, Everywhere
 from tests.app.conftest import disc
 
 pytestmark = pytest.mark.shared_window
@@ -210,6 +210,25 @@ def test_proposals_are_made_on_each_untouched_image_and_reviewed_by_two_keys(win
         hand.key(*DONE)
     wait_for(window, hand, "plate4.npy")
     assert [row[1:] for row in table(window)[1:3]] == [("● done", "1")] * 2
+
+
+def test_an_image_that_needed_a_start_of_its_own_does_not_end_the_proposals_on_the_next_one(
+    window, hand, folder
+) -> None:
+    open_project(window, hand, folder)
+    window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
+    window.trigger_action("apply_to_all")
+    hand.key(*DONE)
+    hand.wait(lambda: name(window) == "plate2.npy" and window.session.scene.objects.proposals)
+    hand.canvas.setFocus()
+    window.trigger_action("mode_shape")
+    window.trigger_action("clear")
+    hand.drag((32, 32), (32, 36), (32, 40))
+    assert not any(isinstance(shape, Everywhere) for shape in window.session.document.shapes)
+    for _ in range(2):  # without the proposal
+        hand.key(*DONE)
+    hand.wait(lambda: name(window) == "plate3.npy" and window.session.scene.objects.proposals)
+    assert window.session.document.mode == "automatic"
 
 
 def test_proposals_that_are_not_accepted_are_not_lost_without_a_sentence(window, hand, folder) -> None:

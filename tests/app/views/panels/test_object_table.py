@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -12,7 +14,7 @@ from cpm_app.model.document.edits import set_pixel_size
 from cpm_app.session.scene import Proposal
 from cpm_app.views.features.objects import ObjectsFeature
 from PySide6.QtCore import QCoreApplication, QPoint, QRect, Qt
-from PySide6.QtWidgets import QLineEdit, QMenu
+from PySide6.QtWidgets import QLineEdit, QMenu, QStyle
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image.region import Region
@@ -145,12 +147,42 @@ def test_the_columns_that_are_shown_fit_with_their_whole_titles_and_the_first_on
     assert all(
         not drawn.isColumnHidden(drawn.column_index(name)) for name in ("number", "name", "class", "area", "confidence")
     )
+    arrow = drawn.style().pixelMetric(QStyle.PixelMetric.PM_HeaderMarkSize, None, header)
     for width in (320, 700, 1600):
         drawn.resize(width, 200)
         assert drawn.horizontalScrollBar().maximum() == 0
         shown = [index for index in range(len(drawn.rows.columns)) if not drawn.isColumnHidden(index)]
         assert shown == list(range(len(shown)))
-        assert all(header.sectionSize(index) >= header.sectionSizeHint(index) for index in shown)
+        room = {index: arrow * (index != header.sortIndicatorSection()) for index in shown}
+        assert all(header.sectionSize(index) + room[index] >= header.sectionSizeHint(index) for index in shown)
+
+
+NARROW_TABLE = """
+import os, sys
+from cpm_app.model.text.language import use_language
+use_language(sys.argv[1])
+from cpm_app.views.application import make_application
+application = make_application()
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.main_window import make_window
+window = make_window(Workspace())
+window.show()
+window.docks.reveal_panel("objects")
+application.processEvents()
+table = window.panels["objects"].table
+table.setFixedWidth(285)
+for column in range(5):
+    table.sortByColumn(column, table.rows._sort_order)
+    application.processEvents()
+    print([table.isColumnHidden(index) for index in range(5)].count(False), flush=True)
+os._exit(0)
+"""
+
+
+@pytest.mark.parametrize("name", ["de", "en", "es", "fr", "ja", "zh"])
+def test_the_first_columns_fit_the_narrowest_panel_in_each_language_whichever_is_sorted_by(name) -> None:
+    said = subprocess.run([sys.executable, "-c", NARROW_TABLE, name], capture_output=True, text=True, check=True).stdout
+    assert said.split() == ["5"] * 5
 
 
 def test_a_click_on_a_row_chooses_its_object_and_a_heading_sorts(window, hand, table) -> None:
@@ -241,6 +273,11 @@ def test_all_rows_are_accepted_in_one_step_and_contours_are_not_among_them(windo
     assert undo_name(window) == "accept 4 objects"
     window.session.undo()
     assert items(window) == ()
+
+
+def test_the_number_of_a_proposal_is_never_that_of_an_object(window, drawn) -> None:
+    window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((FRAME, DOT))))
+    assert column(drawn, "number") == ["1", "2", "(1)", "(2)", "(3)", "(4)"]
 
 
 def test_a_rejected_object_goes_until_that_is_undone(window, hand, table) -> None:

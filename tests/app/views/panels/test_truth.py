@@ -157,6 +157,20 @@ def test_a_new_image_has_nothing_to_compare_with(compared, hand, tmp_path) -> No
     hand.wait(lambda: compared.panels["compare"].table.column_texts("dice") == ["–"])
 
 
+def test_a_session_with_a_truth_has_the_tab_for_it_when_it_is_opened_again(compared, hand, tmp_path) -> None:
+    session, tabs = compared.session, compared.docks.tabs
+    place = tabs.indexOf(compared.panels["compare"])
+    assert compared.document_file.save_and_wait(tmp_path / "kept.cpm")
+    other = tmp_path / "other.npy"
+    np.save(other, disc(10.0))
+    session.open_file(other)
+    hand.wait(lambda: session.document.image.name == "other.npy")
+    compared.docks.set_tab_available("compare", False)
+    session.open_file(tmp_path / "kept.cpm")
+    hand.wait(lambda: TRUTH_KEY in compared.workspace.comparison.rows)
+    assert tabs.isTabVisible(place)
+
+
 def square(low: float, high: float) -> Contour:
     side = np.arange(low, high)
     rows = np.concatenate([0 * side + low, side, 0 * side + high, high + low - side])

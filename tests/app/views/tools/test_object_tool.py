@@ -554,6 +554,30 @@ def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(wind
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
 
 
+def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or_run_anew(
+    window, hand, objects
+) -> None:
+    run_everywhere(hand)
+    take(hand)
+    hand.wait(lambda: objects.idle and not objects.proposals)
+    hand.key(KEY.Key_A, CONTROL)
+    hand.key(KEY.Key_Delete)
+    assert taken(window) == ()
+    hand.wait(lambda: objects.idle)
+    assert objects.proposals == ()
+    hand.key(KEY.Key_Z, CONTROL)
+    assert len(taken(window)) == 2
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+    for _ in range(2):
+        hand.key(KEY.Key_Z, CONTROL | SHIFT)
+    hand.wait(lambda: objects.idle and not objects.proposals)
+    assert taken(window) == ()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+
+
 def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(window, hand, objects) -> None:
     run_everywhere(hand)
     click(hand, 18, 18)

@@ -317,6 +317,27 @@ def test_two_clicks_split_a_body_in_space_and_one_undo_joins_it(volume, hand) ->
     assert items(volume) == (whole,)
 
 
+def test_what_is_typed_after_the_key_for_names_before_the_answer_goes_into_the_name(volume, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    selection = volume.workspace.object_selection
+    hand.wait(lambda: selection.ready)
+    volume.workspace.slices.go_through(ONE)
+    begin_click(hand, ONE[1:])
+    hand.key(KEY.Key_Return)
+    assert not selection.answered
+    hand.key(KEY.Key_F2)
+    hand.qtbot.keyClicks(hand.canvas, "corxx")
+    for _ in range(2):
+        hand.key(KEY.Key_Backspace)
+    hand.qtbot.keyClicks(hand.canvas, "tex")
+    hand.key(KEY.Key_Return)
+    assert not selection.answered
+    hand.wait(lambda: selection.idle and [item.name for item in items(volume)] == ["cortex"])
+    assert selection.proposals == ()
+    hand.wait(hand.canvas.hasFocus)
+
+
 def test_a_click_in_the_background_is_marked_says_that_it_finds_nothing_and_binds_no_later_click(volume, hand) -> None:
     hand.key(KEY.Key_W)
     volume.workspace.slices.go_to(round(ONE[0]))
