@@ -128,20 +128,26 @@ def rate_candidate(candidate: Candidate, features: RegionFeatures) -> Candidate:
 def choose_objects(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
     """Choose objects among the candidates of an image, shape (H, W); the likeliest come first.
 
-    Objects of an image resemble each other: those chosen first tell how likely each candidate is beside them, and
-    then all are chosen once more.
+    Objects of an image resemble each other: where several are likely, these tell how likely each candidate is beside
+    them, and all are chosen once more. One that is likely alone stays as likely as it is.
     """
     rated = list(rated)
-    among = [
-        one._replace(confidence=estimate_among_siblings(one.confidence, *weights))
-        for one, weights in zip(rated, weigh_siblings(rated, values), strict=True)
-    ]
-    return _choose_likeliest(among, values)
+    likely = find_likely_objects(rated, values)
+    if len(likely) > 1:
+        rated = [
+            one._replace(confidence=estimate_among_siblings(one.confidence, *weights))
+            for one, weights in zip(rated, weigh_siblings(rated, likely, values), strict=True)
+        ]
+    return _choose_likeliest(rated, values)
 
 
-def weigh_siblings(rated: list[Candidate], values: Array) -> Iterator[tuple[float, float]]:
+def find_likely_objects(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
+    """Find the candidates of an image, shape (H, W), that are likely before the others are looked at."""
+    return [found for found in _choose_likeliest(rated, values) if found.confidence >= _MIN_SIBLING_CONFIDENCE]
+
+
+def weigh_siblings(rated: list[Candidate], likely: list[Candidate], values: Array) -> Iterator[tuple[float, float]]:
     """Weigh the likely objects beside each candidate: with a sign that says whether edges rise alike, and without."""
-    likely = [found for found in _choose_likeliest(rated, values) if found.confidence >= _MIN_SIBLING_CONFIDENCE]
     rises = [is_brighter_outside(found.region, values) for found in likely]
     for region in (one.region for one in rated):
         apart = [

@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 import cpm_core as cpm
 from cpm_core.numerics.types import Array, Index
 from cpm_core.objects import confidence
-from cpm_core.objects.all_objects import choose_objects, predict_candidates, weigh_siblings
+from cpm_core.objects.all_objects import choose_objects, find_likely_objects, predict_candidates, weigh_siblings
 from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.region_evidence import RegionEvidence
 from cpm_core.objects.selection import Candidate
@@ -183,7 +183,8 @@ def beside_siblings(image: Candidates, numbers: Array) -> Array:
     """Encoded features of the candidates of an image beside those that are likely by some numbers, shape (N, 3)."""
     likely = likely_by(image, numbers).tolist()
     rated = [one._replace(confidence=each) for one, each in zip(image.candidates, likely, strict=True)]
-    weights = weigh_siblings(rated, image.evidence.partition.values)
+    values = image.evidence.partition.values
+    weights = weigh_siblings(rated, find_likely_objects(rated, values), values)
     return np.array(
         [confidence.encode_siblings(one.confidence, *each) for one, each in zip(rated, weights, strict=True)]
     ).reshape(-1, 3)

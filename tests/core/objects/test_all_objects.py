@@ -110,3 +110,10 @@ def test_what_resembles_likely_objects_is_likelier_than_what_does_not():
     alone = estimate_among_siblings(0.4, 0.0, 0.0)
     alike, unlike = (estimate_among_siblings(0.4, sign * 2.0, 2.0) for sign in (1.0, -1.0))
     assert unlike < alike > alone
+
+
+def test_an_object_that_is_alone_in_its_image_stays_as_likely_as_it_is():
+    disk = (ROW - 60) ** 2 + (COL - 60) ** 2 < 24**2
+    (found,) = select_all(picture(np.where(disk, 160.0, 60.0)))
+    assert compute_iou(found.mask, disk) > 0.95
+    assert found.confidence >= 0.7

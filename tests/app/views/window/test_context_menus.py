@@ -9,6 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
+from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Charge, Circle
 
@@ -79,7 +80,7 @@ def test_a_right_drag_moves_the_image_and_opens_no_menu(window, hand, menus) -> 
 
 @pytest.mark.parametrize(("shape", "thing"), [(Circle((32.0, 32.0), 10.0), "shape"), (Charge((32.0, 42.0)), "charge")])
 def test_a_right_click_on_a_shape_selects_it_and_nothing_else(window, hand, menus, shape, thing) -> None:
-    far = SegmentedObject(1, (), (((2.0, 2.0), (2.0, 9.0), (9.0, 9.0)),))
+    far = SegmentedObject(1, (), Region((((2.0, 2.0), (2.0, 9.0), (9.0, 9.0)),)))
     window.session.edit("add", lambda document: objects.accept_objects(edits.add_shape(document, shape), (far,)))
     hand.canvas.setFocus()
     hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
