@@ -275,14 +275,13 @@ class Region:
 
         A vertex when no pixel lies inside; in a volume the innermost pixel of the plane with most voxels.
         """
-        begin = (0,) * len(shape)
-        first, mask = (self.origin, self.mask) if self.ndim == 3 else self.cut_to(begin, shape)
+        first, mask = self.cut_to((0,) * len(shape), shape)
+        if not mask.any():
+            return self.boundary[0][0] if self.boundary else tuple(self.find_surface().vertices[0].tolist())
         plane: Place = ()
         if mask.ndim == 3:
             at = int(mask.sum(axis=(1, 2)).argmax())
             plane, first, mask = (float(first[0] + at),), first[1:], mask[at]
-        if not mask.any():
-            return self.boundary[0][0]
         depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
         row, col = np.unravel_index(int(np.argmax(depth)), mask.shape)
         return (*plane, float(row + first[0]), float(col + first[1]))

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 from cpm_core.image.region import Region
+from cpm_core.image.surface import Surface
 from cpm_core.objects.segmented.areas import unite_objects
 from cpm_core.objects.segmented.segmented_object import (
     Click,
@@ -56,6 +57,16 @@ def test_the_mask_holds_the_pixels_whose_centers_lie_inside(row: float, col: flo
 def test_the_innermost_pixel_of_a_ring_lies_in_the_middle_between_its_boundaries() -> None:
     assert math.dist(RING.region.find_innermost_pixel((40, 44)), (20.0, 20.0)) == pytest.approx(8.5, abs=1.0)
     assert RING.region.encloses(np.array([RING.region.find_innermost_pixel((40, 44))])).all()
+
+
+def test_the_innermost_voxel_lies_in_the_volume_and_without_any_it_is_a_vertex() -> None:
+    tapered = np.zeros((6, 11, 11), bool)
+    tapered[:4], tapered[4:, 3:8, 3:8] = True, True
+    half = Region.from_mask(tapered, (-4, 0, 0))
+    assert half.find_innermost_pixel((5, 20, 20)) == (0.0, 5.0, 5.0)
+    corners = np.array([(0.0, 0.0, 0.0), (0.2, 0.0, 0.0), (0.0, 0.2, 0.0), (0.0, 0.0, 0.2)]) + 4.3
+    speck = Region.from_surface(Surface(corners, np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])))
+    assert speck.find_innermost_pixel((20, 20, 20)) == pytest.approx((4.3, 4.3, 4.3))
 
 
 FAR = made(((-1e6, -1e6), (-1e6, 12.0), (1e6, 12.0), (1e6, -1e6)), number=2)
