@@ -85,12 +85,7 @@ class StackPages(QObject):
         self._drawn: tuple[JsonObject, ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
         self._later = QTimer(self, singleShot=True)
-        self._later.timeout.connect(
-            lambda: self._linking.submit(
-                partial(link_pages, self.source, dict(self._found_pages), self._drawn, self.documents, self._measured),
-                self._on_pages_linked,
-            )
-        )
+        self._later.timeout.connect(self._link_pages)
         self._wanted_row: PageRow | None = None
         self._contour_selection = contour_selection
         contour_selection.changed.connect(self._select_wanted)
@@ -329,11 +324,21 @@ class StackPages(QObject):
         if not self._later.isActive():
             self._later.start(_LINK_DELAY_WHILE_RUNNING if self.running else _LINK_DELAY)
 
-    def _on_pages_linked(self, made: LinkedPages) -> None:
+    def _link_pages(self) -> None:
+        found = dict(self._found_pages)
+        self._linking.submit(
+            partial(link_pages, self.source, found, self._drawn, self.documents, self._measured),
+            partial(self._on_pages_linked, found),
+        )
+
+    def _on_pages_linked(self, found: Mapping[int, Page], made: LinkedPages) -> None:
+        """Show linked pages, and keep them in place of those `found`, unless these have been run again since."""
         if made.source.path != self.source.path or not self.count:
             return
         self._linked, self.table = made.found, made.table
-        self._found_pages |= {number: page for number, page in made.found.items() if number != self.number}
+        for number, page in made.found.items():
+            if number != self.number and self._found_pages.get(number) is found[number]:
+                self._found_pages[number] = page
         self.results_changed.emit()
 
     # Files

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import tifffile
 from cpm_app.model.document import edits
+from cpm_app.session.features.kept_pages import KeptPage
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import PagesFeature
 from cpm_app.views.window import dialogs
 from PySide6.QtCore import QCoreApplication, Qt
 
-from cpm_core import Parameters
+from cpm_core import Page, Parameters
 from cpm_core.shapes import Circle, Everywhere, Polygon, PolygonRegion
 from tests.app.conftest import disc
 from tests.app.exporting import export
@@ -180,6 +181,15 @@ def test_a_page_that_was_run_in_the_background_shows_its_contours_and_undo_leads
     session.undo()
     assert session.document.starts == before.starts
     assert session.history.undo_name == "draw region"
+
+
+def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(stack, hand) -> None:
+    run_all(stack, hand)
+    pages = stack.workspace.pages
+    pages._link_pages()  # as after another change
+    pages._on_page_done(pages.source.path, None, Page(2, None, error="no edges"), KeptPage(stack.session.document))
+    settled(stack, hand)
+    assert [page.error for page in pages.result.pages if page.number == 2] == ["no edges"]
 
 
 def test_a_page_with_a_start_of_its_own_keeps_it(stack, hand) -> None:
