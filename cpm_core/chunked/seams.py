@@ -74,7 +74,9 @@ def join_pieces(pieces: Sequence[Contour], chunks: Sequence[int], least: float) 
     lines, of = np.array([shapely.LineString(piece.path) for piece in pieces]), np.array(chunks)
     one, other = shapely.STRtree(lines).query(lines, "dwithin", _SAME_BOUNDARY_DISTANCE)
     earlier = of[other] < of[one]
-    seen = shapely.multilinestrings(lines[other[earlier]], indices=one[earlier], out=np.full(len(lines), None))
+    seen = np.full(len(lines), None)
+    if earlier.any():
+        shapely.multilinestrings(lines[other[earlier]], indices=one[earlier], out=seen)
     new = shapely.difference(lines, shapely.buffer(seen, _SAME_BOUNDARY_DISTANCE))
     left = np.where(shapely.is_missing(seen), lines, new)
     stretches = [part for piece, line in zip(pieces, left, strict=True) for part in _take_stretches(piece, line)]

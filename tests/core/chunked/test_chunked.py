@@ -246,6 +246,12 @@ def test_a_line_along_a_seam_that_two_chunks_see_a_little_apart_is_there_once():
     assert sum(one.length for one in found) == pytest.approx(160.0, abs=2.0)
 
 
+def test_a_line_next_to_a_seam_that_one_chunk_alone_sees_stays_as_it_is():
+    line = Contour(np.array([(100.0, 10.0), (125.0, 30.0), (100.0, 50.0)]), False)
+    (found,) = join_pieces([line], [0], 8.0)
+    np.testing.assert_array_equal(found.points, line.points)
+
+
 @pytest.mark.parametrize("unit", ["nm", "µm", "mm", "cm", "m"])
 def test_the_size_of_a_pixel_is_read_back_in_every_unit(tmp_path, unit):
     ome_zarr.create_multiscale(tmp_path / "x.zarr", (600, 600), np.uint8, SIDE, (0.5, 0.25), unit)
