@@ -110,7 +110,7 @@ class Region:
         )  # fmt: skip
 
     def __hash__(self) -> int:
-        size = None if self.pixels is None else self.pixels.shape
+        size = None if self.pixels is None else (self.pixels.shape, self.size)  # painted versions of an object differ
         count = None if self.surface is None else len(self.surface.faces)
         return hash((len(self.boundary), self.boundary[:1] and self.boundary[0][:2], count, self.first, size))
 

@@ -238,3 +238,11 @@ def test_what_has_no_neck_is_split_halfway():
         [0, 0],
         [0, -1],
     )
+
+
+def test_versions_of_an_object_that_the_brush_has_hollowed_out_differ_in_their_hash():
+    solid = body(np.ones(SHAPE, bool))
+    hollowed = [solid.without(Region.from_mask(np.ones((1, 1, n), bool), (9, 9, 9))) for n in range(1, 20)]
+    assert len({hash(one) for one in (solid, *hollowed)}) == 20  # else caches compare each with all others
+    again = body(hollowed[3].paste(SHAPE))
+    assert (again, hash(again)) == (hollowed[3], hash(hollowed[3]))
