@@ -82,6 +82,8 @@ class Geometry:
     True
     >>> geometry.letters, geometry.ends[0], geometry.oblique, geometry.slant
     (('S', 'P', 'L'), ('I', 'S'), 0.0, 0.0)
+    >>> geometry.oblique_ends[0]
+    ('I', 'S')
     """
 
     origin: Triple = (0.0, 0.0, 0.0)

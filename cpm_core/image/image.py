@@ -106,6 +106,9 @@ class Image(drawing.Pictured):
     ('uint8', 'float64')
     >>> image.is_ct, cpm.Image(np.eye(8), hounsfield=True).is_ct
     (False, True)
+    >>> hot = np.where(np.indices((40, 60)).sum(axis=0) == 0, 4095.0, np.asarray(image))
+    >>> [round(level, 1) for level in cpm.Image(hot).shown_range]  # without the hot pixel
+    [1.0, 70.7]
     >>> image.with_spacing((2.0, 2.0), "mm")
     <Image drawn, 40 x 60 px, 2 mm a pixel>
     >>> cpm.example("ball").slice_across(axis=0, index=15)

@@ -17,6 +17,9 @@ _MIN_EDGE = 4.0
 _MIN_NOISE = 0.005
 """Least standard deviation of the background, as a fraction of the range of gray levels."""
 
+_DEVIATION_PER_MEDIAN = 1.4826
+"""Standard deviation of normal noise, in medians of its size."""
+
 _EDGE_DISTANCE = 1.5
 """Distance from a surface at which gray levels are compared [smallest side of a voxel]."""
 
@@ -51,7 +54,7 @@ def _measure_background(values: Array) -> tuple[float, float]:
     """Measure the gray level of the outermost voxels, and its standard deviation."""
     border = np.concatenate([values.take([0, -1], axis).ravel() for axis in range(3)])
     level = float(np.median(border))
-    noise = float(scipy.stats.median_abs_deviation(border, scale="normal"))
+    noise = _DEVIATION_PER_MEDIAN * float(np.median(np.abs(border - level)))
     return level, max(noise, _MIN_NOISE * float(np.ptp(values)))
 
 

@@ -101,7 +101,7 @@ def test_tables_say_how_each_track_begins_and_ends_and_where_it_comes_from(suffi
         result = Result(np.zeros((0, 2)), numbered, None, 1, True, "at rest", (90, 90), (1.0, 1.0), None, "cells.tif")
         pages.append(Page(number, result, events))
     export_stack(StackResult("cells.tif", 3, tuple(pages)), tmp_path / f"a{suffix}")
-    rows = csv.DictReader((tmp_path / f"a{suffix}").open())
+    rows = csv.DictReader((tmp_path / f"a{suffix}").read_text(encoding="utf-8").splitlines())
     lives = {int(row["track"]): (row["parent"], row["begin"], row["end"]) for row in rows}
     assert lives == {
         1: ("", "", ""),
