@@ -119,6 +119,10 @@ class Enclosed(WithoutOutline):
 
     region: Region
 
+    def __post_init__(self) -> None:
+        if self.region.ndim != 3 or self.region.is_empty:
+            raise ValueError(f"A {self.title} in a volume needs at least one voxel.")
+
     @property
     def limit(self) -> Region:
         """Limit as the engine takes it."""

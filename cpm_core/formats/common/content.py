@@ -78,17 +78,19 @@ def find_local_file(source: AnySource) -> Path:
     ValueError
         When there is no file at an address, or a package that its kind of address needs is missing.
     """
-    if not isinstance(source, str | os.PathLike):
-        copy = Path(tempfile.mkdtemp(prefix="cpm-")) / Path(str(getattr(source, "name", "file"))).name
-        atexit.register(shutil.rmtree, copy.parent, ignore_errors=True)
+    if isinstance(source, os.PathLike) or (isinstance(source, str) and not is_address(source)):
+        return Path(source)
+    folder = Path(tempfile.mkdtemp(prefix="cpm-"))  # one for each copy, as files of other folders may have its name
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    if not isinstance(source, str):
+        copy = folder / Path(str(getattr(source, "name", "file"))).name
         copy.write_bytes(source.read())
         return copy
-    if not is_address(source):
-        return Path(source)
     try:
         import fsspec  # only here, because most files are local
 
-        return Path(fsspec.open_local(f"simplecache::{source}", simplecache={"same_names": True}))
+        options = {"same_names": True, "cache_storage": str(folder)}
+        return Path(fsspec.open_local(f"simplecache::{source}", simplecache=options))
     except ImportError as error:
         package = error.name or "fsspec"
         raise UnreadableError(missing_package_message(source, package, package)) from None

@@ -43,10 +43,14 @@ def find_outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list
 def read_color_indices(file: Path) -> NDArray[np.integer] | None:
     """Read the color indices of a PNG with a color table, int32 of shape (H, W); None for other files."""
     try:
-        with warnings.catch_warnings(action="error"), Image.open(file, formats=("PNG",)) as picture:
+        # only this warning, as those of other threads are caught as well
+        with (
+            warnings.catch_warnings(action="error", category=Image.DecompressionBombWarning),
+            Image.open(file, formats=("PNG",)) as picture,
+        ):
             if picture.mode == "P":
                 return np.array(picture, np.int32)
-    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Warning):
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError, Image.DecompressionBombWarning):
         return None  # not a PNG, or a damaged or too large one, which the image reader reports
     return None
 

@@ -268,7 +268,7 @@ def position_from_affine(affine: Array, convention: Convention, sides: Sequence[
 
     Returns
     -------
-    Position
+    VolumePosition
         Voxel size, unit, geometry, and notes.
     """
     try:

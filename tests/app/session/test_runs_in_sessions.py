@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.session.storage.session_file import DocumentFile
+from cpm_app.session.worker.commands import call_run
+from cpm_app.session.worker.run import Run
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
@@ -105,6 +107,17 @@ def test_every_step_and_its_steering_can_be_gone_back_to(steered, hand, tmp_path
     reopened(steered, hand, tmp_path / "a.cpm")
     assert navigation(steered).current_step == places[-1]
     assert [at(*place) for place in places] == before
+
+
+def test_a_shown_run_for_which_there_is_no_memory_left_is_no_failure(steered, hand, tmp_path) -> None:
+    navigation(steered).go_to(1, 10)
+    hand.wait(lambda: steered.session.idle and steered.session.status.step == 10)
+    saved(steered, hand, tmp_path / "a.cpm")
+    steered.session.post_command(call_run(None, Run.set_timeline_budget, 0))
+    said = reopened(steered, hand, tmp_path / "a.cpm")
+    steered.get_feature(TimelineFeature).apply_memory_limit()
+    assert [branch.name for branch in navigation(steered).timeline_state.branches] == ["Run 2"]
+    assert not [text for text in said if "no longer exists" in text]
 
 
 def test_a_paused_run_goes_on_as_if_the_window_had_stayed_open(ready, hand, tmp_path) -> None:

@@ -40,6 +40,20 @@ def test_an_address_is_read_as_a_file_of_its_name(tmp_path, content):
     assert np.array_equal(cpm.load_image(f"zip://inner/cells.npy::{tmp_path}/all.zip").values, VALUES)
 
 
+def test_each_address_is_read_anew_whatever_has_its_name(content):
+    fsspec = pytest.importorskip("fsspec")
+    other = io.BytesIO()
+    np.save(other, VALUES[::-1])
+    for folder, written in (("day1", content), ("day2", other.getvalue())):
+        with fsspec.open(f"memory://{folder}/cells.npy", "wb") as stream:
+            stream.write(written)
+    assert np.array_equal(cpm.load_image("memory://day1/cells.npy").values, VALUES)
+    assert np.array_equal(cpm.load_image("memory://day2/cells.npy").values, VALUES[::-1])
+    with fsspec.open("memory://day1/cells.npy", "wb") as stream:
+        stream.write(other.getvalue())
+    assert np.array_equal(cpm.load_image("memory://day1/cells.npy").values, VALUES[::-1])
+
+
 @pytest.mark.parametrize("address", ["memory://nothing.npy", "nosuch://a/b.npy"])
 def test_an_address_without_a_file_is_told_in_a_sentence(address):
     with pytest.raises(ValueError, match=address):

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import cpm_core as cpm
+from cpm_core.formats.common.json_values import shape_from_json, to_json
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
+from cpm_core.image.region import Region
 from cpm_core.model.starts import check_seeds
-from cpm_core.shapes import Grid
+from cpm_core.shapes import EnclosedRegion, EnclosingWall, Grid
 
 SQUARE = ((0.0, 0.0), (0.0, 100.0), (100.0, 100.0), (100.0, 0.0))
 
@@ -37,3 +39,13 @@ def test_starts_that_crowd_a_pixel_are_thinned_and_others_are_not():
     assert len(found) <= len(spread) + 16 * 25
     assert np.array_equal(found[: len(spread)], spread)
     assert np.bincount((np.rint(found) @ [40, 1]).astype(int)).max() <= 16
+
+
+@pytest.mark.parametrize("kind", [EnclosedRegion, EnclosingWall])
+@pytest.mark.parametrize(
+    "region", [Region(), Region((SQUARE,)), Region(pixels=np.zeros((2, 2, 2), bool), first=(0, 0, 0))]
+)
+def test_a_limit_of_a_volume_without_voxels_is_refused_when_its_session_is_read(kind, region):
+    plain = {"shape": kind.__name__.lower(), "region": json.loads(json.dumps(to_json(region)))}
+    with pytest.raises(ValueError, match="in a volume needs at least one voxel"):
+        shape_from_json(plain, "a shape")

@@ -296,6 +296,8 @@ def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> W
         if fault:
             context.report(CommandFailed(fault))
         outline, here = run.timeline.timeline_state, stored.shown_step
+        if here is not None and all(branch.identity != here[0] for branch in outline.branches):
+            here = None  # there was no memory left for its run
         begun = {-number: (kept.document, kept.sources) for number, kept in enumerate(stored.runs, 1)}
         context.report(RunsRestored(generation, begun, here is not None, outline.edition))
         if here is None:

@@ -61,11 +61,15 @@ class PresetBox(WheelWithFocus, QComboBox):
     def delete_preset(self) -> None:
         """Delete the preset in use, after a question."""
         assert self.current is not None
+        self._session.messages.clear(_PRESET_CATEGORY)
         text = tr("Delete the preset “{name}”?", name=self.current.name)
         answers, more = {"delete": tr("&Delete"), "keep": tr("&Keep")}, tr("This cannot be undone.")
         question = QuestionDialog(self._window, tr("Delete preset"), text, more, answers, ("delete",))
         if question.wait_for_answer() == "delete":
-            self.store.delete(self.current.name)
+            try:
+                self.store.delete(self.current.name)
+            except OSError as error:
+                self._session.messages.show(explain_error(error), True, _PRESET_CATEGORY)
 
     def _on_store_changed(self) -> None:
         with QSignalBlocker(self):

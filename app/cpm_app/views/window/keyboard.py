@@ -234,7 +234,7 @@ class TypedAhead(QObject):
     widget : QWidget
         It has the keyboard focus until the field opens.
     is_awaited : callable
-        Returns whether the field is still going to open; once it is not, keys act as usual.
+        Returns whether the field is still going to open; once it is not, the filter ends.
     """
 
     def __init__(self, widget: QWidget, is_awaited: Callable[[], bool]) -> None:
@@ -252,11 +252,14 @@ class TypedAhead(QObject):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Keep a key that types or edits text, and let it be no shortcut."""
+        if not self._is_awaited():
+            self.deleteLater()
+            return False
         pressed = event.type() == QEvent.Type.KeyPress
         if not isinstance(event, QKeyEvent) or not (pressed or event.type() == QEvent.Type.ShortcutOverride):
             return False
         ended = bool(self._keys) and self._keys[-1].key() in (*ENTER_KEYS, Qt.Key.Key_Escape)
-        if ended or not self._is_awaited() or not event.text() or event.modifiers() & ~_TEXT_MODIFIERS:
+        if ended or not event.text() or event.modifiers() & ~_TEXT_MODIFIERS:
             return False
         if pressed:
             self._keys.append(event.clone())

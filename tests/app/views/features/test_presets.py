@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from cpm_app.model.parameters.presets import Preset, built_in_presets, check_preset_name, decode_preset, encode_preset
@@ -119,3 +121,16 @@ def test_own_presets_are_saved_and_deleted(window, presets, monkeypatch) -> None
     monkeypatch.setattr(QuestionDialog, "wait_for_answer", lambda _: "delete")
     window.actions_by_name["delete_preset"].trigger()
     assert called(presets.store, "Soft") is None
+
+
+def test_a_preset_that_cannot_be_deleted_is_told_in_a_sentence(window, presets, monkeypatch) -> None:
+    monkeypatch.setattr(dialogs, "ask_for_text", lambda *_: "Soft")
+    window.panels["run"].parameters.rows["beta"].slider.setValue(3)
+    presets.save_preset()
+    monkeypatch.setattr(QuestionDialog, "wait_for_answer", lambda _: "delete")
+    with monkeypatch.context() as read_only:
+        read_only.setattr(Path, "unlink", Mock(side_effect=PermissionError(13, "Permission denied")))
+        presets.delete_preset()
+    assert "Permission denied" in window.canvas_area.messages.text
+    assert called(presets.store, "Soft") is not None
+    presets.delete_preset()

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import pytest
+import shiboken6
 from cpm_app.model.document import edits
 from cpm_app.views.tools import TOOLS
-from cpm_app.views.window.keyboard import find_sliders
+from cpm_app.views.window.keyboard import TypedAhead, find_sliders
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QToolButton
+from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QLineEdit, QToolButton
 
 pytestmark = pytest.mark.shared_window
 
@@ -254,3 +255,18 @@ def test_dialogs_keep_their_keys(board, hand) -> None:
     assert board.session.status.phase == "ready"
     assert shown.findChild(QComboBox) is not None
     shown.reject()
+
+
+def test_what_is_typed_ahead_goes_into_the_field_and_nothing_is_kept_for_one_that_never_opens(qtbot) -> None:
+    awaited, (early, field) = [True, True], (QLineEdit(), QLineEdit())
+    for widget in (early, field):
+        qtbot.addWidget(widget)
+    typed, dropped = (TypedAhead(early, lambda number=number: awaited[number]) for number in (0, 1))
+    awaited[1] = False
+    qtbot.keyClicks(early, "rib")
+    typed.type_into(field)
+    assert (early.text(), field.text()) == ("", "rib")
+    qtbot.waitUntil(lambda: not shiboken6.isValid(dropped))
+    awaited[:] = [True, True]
+    qtbot.keyClicks(early, "x")
+    assert early.text() == "x"

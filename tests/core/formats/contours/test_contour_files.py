@@ -2,13 +2,16 @@
 
 import json
 import struct
+import warnings
 import zlib
 
 import pytest
+from PIL import Image
 from roifile import ROI_TYPE, ImagejRoi
 
 from cpm_core import load_truth
 from cpm_core.formats.contour_file import load_contours
+from cpm_core.formats.contours.mask import read_color_indices
 
 
 def written(tmp_path, content, name="a.json"):
@@ -80,3 +83,21 @@ def test_a_selection_without_vertices_is_told_and_compared_with_nothing(tmp_path
         load_contours(tmp_path / "a.roi")
     with pytest.raises(ValueError, match=r"^a.roi contains no contours"):
         load_truth(tmp_path / "a.roi", (20, 20))
+
+
+def test_only_the_size_of_a_picture_decides_whether_its_color_indices_are_read(tmp_path, monkeypatch):
+    picture = Image.new("P", (20, 12), 3)
+    picture.putpalette(range(12))
+    picture.save(tmp_path / "a.png")
+
+    def open_while_another_thread_warns(*arguments, **named):
+        warnings.warn("of another thread", RuntimeWarning, stacklevel=1)
+        return opened(*arguments, **named)
+
+    opened = Image.open
+    monkeypatch.setattr(Image, "open", open_while_another_thread_warns)
+    with pytest.warns(RuntimeWarning, match="of another thread"):
+        assert (read_color_indices(tmp_path / "a.png") == 3).all()
+    monkeypatch.setattr(Image, "open", opened)
+    monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 200)
+    assert read_color_indices(tmp_path / "a.png") is None
