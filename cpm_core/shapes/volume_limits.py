@@ -117,6 +117,7 @@ class Enclosed(WithoutOutline):
         The voxels inside.
     """
 
+    title: ClassVar[str]
     region: Region
 
     def __post_init__(self) -> None:

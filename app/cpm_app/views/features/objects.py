@@ -6,7 +6,7 @@ from functools import partial
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor, QKeyEvent
-from PySide6.QtWidgets import QLineEdit, QMenu
+from PySide6.QtWidgets import QAbstractItemView, QLineEdit, QMenu
 
 from cpm_app.model.document.modes import switch_to_skeleton
 from cpm_app.model.document.objects import (
@@ -158,7 +158,7 @@ class ObjectsFeature(Feature):
         came_from_canvas = canvas.hasFocus()
         self.window.docks.reveal_panel("objects")
         table.edit_selected_name()
-        if came_from_canvas:
+        if came_from_canvas and table.state() == QAbstractItemView.State.EditingState:
             once = Qt.ConnectionType.SingleShotConnection.value | Qt.ConnectionType.QueuedConnection.value
             table.itemDelegate().closeEditor.connect(canvas.setFocus, Qt.ConnectionType(once))
 
