@@ -14,7 +14,15 @@ import scipy
 
 from cpm_core.image.surface import Surface, voxelize_surface
 from cpm_core.numerics import polyline
-from cpm_core.numerics.grids import Window, bounding_window, true_bounds, window_shape, zero_surface
+from cpm_core.numerics.grids import (
+    Window,
+    bounding_window,
+    enclose_windows,
+    relative_window,
+    true_bounds,
+    window_shape,
+    zero_surface,
+)
 from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Place, record
 
 MAX_BOX_VOXELS = 2**28
@@ -230,29 +238,35 @@ class Region:
         """Return whether a point lies inside; see `encloses`."""
         return bool(self.encloses(np.array([place], float))[0])
 
+    def _find_overlap(self, other: Region) -> tuple[Window, Mask]:
+        """Find the part of the box of this region in which another lies, and the pixels of the other there."""
+        first, mask = other.cut_to(self.origin, np.add(self.origin, self.mask.shape))
+        return tuple(slice(at - b, at - b + n) for at, b, n in zip(first, self.origin, mask.shape, strict=True)), mask
+
     def united(self, other: Region) -> Region:
         """Return the pixels of this region and of another."""
-        window = tuple(
-            slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(self.window, other.window, strict=True)
-        )
-        return Region.from_mask(self.cut_out(window) | other.cut_out(window), [side.start for side in window])
+        window = enclose_windows(self.window, other.window)
+        found = np.zeros(window_shape(window), bool)
+        for one in (self, other):
+            found[relative_window(one.window, window)] |= one.mask
+        return Region.from_mask(found, [side.start for side in window])
 
     def without(self, other: Region) -> Region:
         """Return the pixels of this region that are not those of another."""
-        return Region.from_mask(self.mask & ~other.cut_out(self.window), self.origin)
+        there, taken = self._find_overlap(other)
+        left = self.mask.copy()
+        left[there] &= ~taken
+        return Region.from_mask(left, self.origin)
 
     def shared_with(self, other: Region) -> Region:
         """Return the pixels that this region has in common with another."""
-        return Region.from_mask(self.mask & other.cut_out(self.window), self.origin)
+        there, mask = self._find_overlap(other)
+        return Region.from_mask(self.mask[there] & mask, np.add(self.origin, [side.start for side in there]))
 
     def count_shared(self, other: Region) -> int:
         """Count the pixels that this region has in common with another."""
-        window = tuple(
-            slice(max(a.start, b.start), min(a.stop, b.stop)) for a, b in zip(self.window, other.window, strict=True)
-        )
-        if any(side.stop <= side.start for side in window):
-            return 0
-        return int(np.count_nonzero(self.cut_out(window) & other.cut_out(window)))
+        there, mask = self._find_overlap(other)
+        return int(np.count_nonzero(self.mask[there] & mask))
 
     def compute_iou(self, other: Region) -> float:
         """Compute the overlap (intersection over union) with another region; 0 when both are empty."""

@@ -60,6 +60,11 @@ def relative_window(window: Window, outer: Window) -> Window:
     return tuple(slice(a.start - b.start, a.stop - b.start) for a, b in zip(window, outer, strict=True))
 
 
+def enclose_windows(one: Window, other: Window) -> Window:
+    """Return the smallest window around two windows."""
+    return tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(one, other, strict=True))
+
+
 def split_into_tiles(shape: Extent, side: int) -> list[Window]:
     """Split a grid of this shape into windows of this side, smaller at the end of an axis."""
     axes = ([slice(at, min(at + side, n)) for at in range(0, n, side)] for n in shape)
@@ -139,6 +144,14 @@ def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:
     """Find the connected parts of a mask, shape (P, R, C); with `corners` voxels have 26 neighbors, else 6."""
     labels, count = scipy.ndimage.label(mask, np.ones((3, 3, 3), bool) if corners else None)
     return ConnectedParts(np.asarray(labels, np.int32), int(count))
+
+
+def find_largest_part(mask: Mask) -> Mask:
+    """Find the largest connected part of a mask whose neighbors share a side."""
+    parts, _ = scipy.ndimage.label(mask)
+    sizes = np.bincount(parts.ravel())
+    sizes[0] = 0
+    return parts == sizes.argmax()
 
 
 @compiled

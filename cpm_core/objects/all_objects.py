@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import bounding_window, expand_window
+from cpm_core.numerics.grids import bounding_window, enclose_windows, expand_window, find_largest_part
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Callback, Mask
 from cpm_core.objects.candidate_regions import CandidateRegions, is_brighter_outside
@@ -28,7 +28,7 @@ from cpm_core.objects.confidence import (
     estimate_region_confidence,
 )
 from cpm_core.objects.image_parts import ImageParts
-from cpm_core.objects.merged_basins import MIN_OBJECT_AREA, find_largest_component
+from cpm_core.objects.merged_basins import MIN_OBJECT_AREA
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.region_evidence import RegionEvidence
 from cpm_core.objects.selection import Candidate, Selection
@@ -188,7 +188,7 @@ def _fit_between(candidate: Candidate, chosen: list[Region], values: Array) -> R
             rest = rest.without(other)
     if rest.size < MIN_OBJECT_AREA:
         return None
-    rest = rest if rest is region else Region.from_mask(find_largest_component(rest.mask), rest.origin)
+    rest = rest if rest is region else Region.from_mask(find_largest_part(rest.mask), rest.origin)
     return rest if rest.size >= MIN_OBJECT_AREA else None
 
 
@@ -207,7 +207,7 @@ def _is_nested(one: Region, two: Region) -> bool:
     small, large = (one, two) if one.size < two.size else (two, one)
     if both < _MIN_NESTED_SHARE * small.size or both > _MAX_NESTED_AREA * large.size:
         return False
-    window = one.united(two).window
+    window = enclose_windows(one.window, two.window)
     inner, outer = small.cut_out(window), large.cut_out(window)
     rim = inner & ~scipy.ndimage.binary_erosion(inner)
     return bool((~scipy.ndimage.binary_erosion(outer, iterations=3))[rim].mean() <= _MAX_SHARED_RIM)

@@ -238,11 +238,3 @@ def _load_weights() -> tuple[float, ...]:
     """Load the weights of the rule for nodes, and last its offset."""
     stored = json.loads(files("cpm_core.objects").joinpath("merged_basins.json").read_text("utf-8"))
     return tuple(stored["numbers"])
-
-
-def find_largest_component(mask: Mask) -> Mask:
-    """Find the largest connected part of a mask."""
-    parts, _ = scipy.ndimage.label(mask)
-    sizes = np.bincount(parts.ravel())
-    sizes[0] = 0
-    return parts == sizes.argmax()

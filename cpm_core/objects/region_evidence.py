@@ -9,12 +9,11 @@ import scipy
 import skimage
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import Window, expand_window
+from cpm_core.numerics.grids import Window, expand_window, find_largest_part
 from cpm_core.numerics.types import Extent, Mask, record
 from cpm_core.objects.candidate_regions import has_neck
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures
 from cpm_core.objects.image_parts import ImageParts
-from cpm_core.objects.merged_basins import find_largest_component
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Candidate
 
@@ -66,7 +65,7 @@ class RegionEvidence:
         mask = found.mask & self.partition.interest
         mask[region.window] &= ~(region.filled.mask & ~region.mask)
         if mask.any():
-            changed, has_holes = Region.from_mask(find_largest_component(mask)), region.filled != region
+            changed, has_holes = Region.from_mask(find_largest_part(mask)), region.filled != region
             yield Candidate(changed if has_holes else changed.filled, features, likelihood=found.predicted_iou)
 
     def measure_candidates(self, candidates: Sequence[Candidate]) -> list[RegionFeatures]:

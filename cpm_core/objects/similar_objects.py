@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
+from cpm_core.numerics.grids import find_largest_part
 from cpm_core.objects.all_objects import build_proposal
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
-from cpm_core.objects.merged_basins import find_largest_component
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 
@@ -45,7 +45,7 @@ def find_similar_objects(partition: Partition, chosen: Selection) -> Iterator[Se
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
         if (_MIN_TRUNCATED_SIZE if cut else _SIZE_RANGE[0]) * area <= np.count_nonzero(body) <= _SIZE_RANGE[1] * area:
             mask = np.zeros(partition.shape, bool)
-            mask[box] = find_largest_component(body)
+            mask[box] = find_largest_part(body)
             other = build_proposal(partition, mask)
             if _measure_boundary_strength(other) >= _MIN_RELATIVE_STRENGTH * strength:
                 yield other

@@ -82,7 +82,7 @@ def paint_voxels(objects: SegmentedObjects, number: int, part: Region, adds: boo
     for item in others:
         if item not in yielding:
             part = part.without(item.region)
-    touched = (item for item in yielding if not item.region.shared_with(part).is_empty)
+    touched = (item for item in yielding if item.region.count_shared(part))
     painted = {item.number: item.region.without(part) for item in touched}
     if number in known:
         before = known[number].region
