@@ -10,7 +10,6 @@ many these are.
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from collections.abc import Sequence
@@ -29,12 +28,13 @@ from cpm_core.objects import merged_basins
 from cpm_core.objects.merged_basins import MIN_OBJECT_AREA, MergedBasins
 from tests.benchmarks.prior.found import (
     SIDE,
-    labeled_images,
     made_up_crowds,
     made_up_nets,
     made_up_shapes,
     parts_of,
+    read_given,
     shown,
+    weigh_kinds,
 )
 from tests.benchmarks.prior.regression import learned
 
@@ -113,24 +113,15 @@ def nodes_of(kind: str, image: cpm.Image, labels: Index) -> Nodes:
 
 def learned_from(images: Sequence[Nodes]) -> Array:
     """The numbers that are learned from images."""
-    counts = {kind: sum(len(one.large) for one in images if one.kind == kind) for kind in {one.kind for one in images}}
     signs = np.concatenate([one.signs[one.large] for one in images])
     right = np.concatenate([one.overlaps[one.large].max(axis=1) >= RIGHT for one in images]).astype(float)
-    weights = np.concatenate([np.full(len(one.large), counts[one.kind] ** -0.5) for one in images])
-    return learned(signs, right, weights * len(weights) / weights.sum())
+    return learned(signs, right, weigh_kinds([(one.kind, len(one.large)) for one in images]))
 
 
 def main() -> None:
     """Merge basins, learn, print and write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--outlined", nargs="+", type=Path, required=True)
-    parser.add_argument("--seed", type=int, default=7)
-    given = parser.parse_args()
-    rng, images = np.random.default_rng(given.seed), []
-    for folder in given.outlined:
-        images += [nodes_of(folder.name, *each) for each in labeled_images(folder)]
-    for make in (made_up_nets, made_up_crowds, made_up_shapes, made_up_leaves):
-        images += [nodes_of(make.__name__, *make(rng)) for _ in range(MADE_UP)]
+    makers = made_up_nets, made_up_crowds, made_up_shapes, made_up_leaves
+    images, seed = read_given(__doc__, nodes_of, makers, MADE_UP)
     kinds = list(dict.fromkeys(one.kind for one in images))
     for kind in kinds:
         numbers = learned_from([one for one in images if one.kind != kind])
@@ -149,7 +140,7 @@ def main() -> None:
         "features": FEATURES,
         "nodes": {kind: len(overlaps) for kind, overlaps in shares.items()},
         "right": {kind: round(float((overlaps >= RIGHT).mean()), 3) for kind, overlaps in shares.items()},
-        "seed": given.seed,
+        "seed": seed,
         "script": "tests/benchmarks/prior/basins.py",
         "data": SOURCES,
     }

@@ -13,9 +13,10 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import scipy
@@ -173,10 +174,18 @@ def candidates_of(kind: str, image: cpm.Image, labels: Index) -> Candidates:
 def stacked(images: Sequence[Candidates]) -> tuple[Array, Array, Array]:
     """Encoded features, what is right, and weights, of the candidates of some images."""
     images = [one for one in images if one.signs]
-    counts = {kind: sum(len(one.signs) for one in images if one.kind == kind) for kind in {one.kind for one in images}}
     signs = np.array([confidence.encode_region(each) for one in images for each in one.signs])
-    weights = np.concatenate([np.full(len(one.signs), counts[one.kind] ** -0.5) for one in images])
-    return signs, np.concatenate([one.right for one in images]), weights * len(weights) / weights.sum()
+    weights = weigh_kinds([(one.kind, len(one.signs)) for one in images])
+    return signs, np.concatenate([one.right for one in images]), weights
+
+
+def weigh_kinds(sizes: Sequence[tuple[str, int]]) -> Array:
+    """Weigh the samples of images, given by kind and number: each kind counts by the square root of its samples."""
+    counts = Counter[str]()
+    for kind, size in sizes:
+        counts[kind] += size
+    weights = np.concatenate([np.full(size, counts[kind] ** -0.5) for kind, size in sizes])
+    return weights * len(weights) / weights.sum()
 
 
 def beside_siblings(image: Candidates, numbers: Array) -> Array:
@@ -218,18 +227,27 @@ def score(image: Candidates, shown_as: Array) -> float:
     return 2.0 * len(hit) / max(count + np.count_nonzero(areas[1:]), 1)
 
 
-def main() -> None:
-    """Find candidates, learn, print and write."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+Prepared = TypeVar("Prepared")
+Maker = Callable[[np.random.Generator], tuple[cpm.Image, Index]]
+
+
+def read_given(
+    description: str | None, prepare: Callable[[str, cpm.Image, Index], Prepared], makers: Iterable[Maker], count: int
+) -> tuple[list[Prepared], int]:
+    """What is prepared of the images in the folders that the command names and of `count` of each maker; the seed."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--outlined", nargs="+", type=Path, required=True)
     parser.add_argument("--seed", type=int, default=7)
     given = parser.parse_args()
-    rng, images = np.random.default_rng(given.seed), []
-    for folder in given.outlined:
-        images += [candidates_of(folder.name, *each) for each in labeled_images(folder)]
-    for make in (made_up_nets, made_up_crowds, made_up_shapes):
-        images += [candidates_of(make.__name__, *make(rng)) for _ in range(MADE_UP)]
-    learn_numbers(images, given.seed)
+    rng = np.random.default_rng(given.seed)
+    images = [prepare(folder.name, *each) for folder in given.outlined for each in labeled_images(folder)]
+    images += [prepare(make.__name__, *make(rng)) for make in makers for _ in range(count)]
+    return images, given.seed
+
+
+def main() -> None:
+    """Find candidates, learn, print and write."""
+    learn_numbers(*read_given(__doc__, candidates_of, (made_up_nets, made_up_crowds, made_up_shapes), MADE_UP))
 
 
 def learn_numbers(images: Sequence[Candidates], seed: int) -> None:
