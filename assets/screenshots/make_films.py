@@ -247,21 +247,13 @@ class Film:
         assert sum(self._shown) < LONGEST and file.stat().st_size < LARGEST, (name, sum(self._shown), file.stat())
 
 
-BETWEEN = (192.0, 195.0)
-"""A place between nuclei, which what encloses it takes for an object; its confidence is low."""
-
-
 def nuclei(film: Film) -> None:
-    """Nuclei are found without a drawing; a doubtful proposal is rejected, and all others are accepted and measured."""
+    """Nuclei are found without a drawing, and the objects are accepted and measured."""
     film.stand.open("nuclei.png")
     film.hold(0.8)
     film.run(70)
+    wait(lambda: bool(film.session.scene.objects.proposals))
     film.hold(1.0)
-    film.key(Qt.Key.Key_W, "W")
-    film.click_image(*BETWEEN)
-    film.key(Qt.Key.Key_X, "X")
-    film.settle()
-    film.hold(0.8)
     film.key(Qt.Key.Key_Return, "Enter")
     film.settle()
     film.window.docks.reveal_panel("objects")
@@ -283,7 +275,7 @@ def artery(film: Film) -> None:
     film.hold(0.6)
     dialog = film.window.get_feature(ExportFeature).dialog
     assert dialog is not None
-    row = dialog.list.visualItemRect(dialog.rows["skeleton", ".csv"])
+    row = dialog.list.visualItemRect(dialog.list.rows["skeleton", ".csv"])
     film.click(dialog.list.viewport(), QPoint(row.left() + 8, row.center().y()))
     film.hold(1.5)
     dialog.close()

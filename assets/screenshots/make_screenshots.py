@@ -28,6 +28,7 @@ from PIL import Image as Picture
 from PySide6.QtCore import QDeadlineTimer, QEventLoop, QSettings, QStandardPaths
 from PySide6.QtWidgets import QWidget
 
+from cpm_core.objects.segmented import Click
 from cpm_core.shapes import Barrier, Charge
 
 HERE = Path(__file__).parent
@@ -199,7 +200,7 @@ def head(stand: Stand) -> None:
     stand.window.session.edit("clear", edits.clear_shapes)
     stand.do("objects")
     for category, (name, place) in enumerate(STRUCTURES.items(), start=1):
-        selection.add_click((place,))
+        selection.add_click(Click((place,)))
         wait(lambda: selection.idle and bool(selection.proposals))
         stand.settle()
         commands.accept_pending()
