@@ -1,11 +1,14 @@
 """Growing of the weights of the prior, in the time that it is given.
 
-``python tests/benchmarks/prior/grow.py OUT.npz --outlined FOLDER... --drawn FOLDER [--minutes 86] [--ranks 2]
-[--seed 1]`` makes up the pools of scenes, which takes a quarter of an hour and two gigabytes of memory, and then
-lets the network learn; it writes the weights every now and then, and at the end. Each of the folders after
-``--outlined`` is a kind of images, with labels ``NAME_labels.png`` of images ``NAME.png`` or ``NAME.jpg``; that after
-``--drawn`` holds drawings on transparent ground, such as those of Debian's ``openclipart-png``. What the weights of
-the program were grown from is in `cpm_core/objects/prior/weights.md`.
+``python tests/benchmarks/prior/grow.py OUT.npz --outlined FOLDER... --drawn FOLDER... [--start WEIGHTS.npz]
+[--minutes 86] [--fastest 0.0025] [--ranks 2] [--seed 1]`` makes up the pools of scenes, which takes half an hour and
+four gigabytes of memory, and then lets the network learn, on a GPU where there is one, from random weights or on from
+those of a file. Each of the folders after ``--outlined`` is a kind of images, with labels ``NAME_labels.png`` of images
+``NAME.png`` or ``NAME.jpg``; those after ``--drawn`` hold drawings on transparent ground, such as those of Debian's
+``openclipart-png``. What the weights of the program were grown from is in `cpm_core/objects/prior/weights.md`.
+
+It writes the weights every now and then, with all that it needs to go on in ``OUT.checkpoint``, and the pools in
+``OUT.pools``: the same command goes on after an interruption, and begins anew once these files are gone.
 
 As the rate of learning follows the time, not the steps, no two runs give the same weights; the pools, the weights at
 the beginning and the first examples of each rank are the same for the same seed.
@@ -19,13 +22,16 @@ import argparse
 import copy
 import math
 import multiprocessing
+import pickle
 import random
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import cv2
 import numpy as np
@@ -35,20 +41,33 @@ from torch.nn import functional
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
-from tests.benchmarks.prior.network import UNet, weights
+from tests.benchmarks.prior.network import UNet, restore, weights
 from tests.benchmarks.prior.pictures import Example, outlined
 from tests.benchmarks.prior.pools import pools
 from tests.benchmarks.prior.prompts import Chance, Prompt, View, first_prompt, view
 
-SHARES = {"people": 0.34, "regions": 0.13, "made_up": 0.13, "drawn": 0.28, "nested": 0.12}
+SHARES = {
+    "people": 0.46,
+    "regions": 0.07,
+    "made_up": 0.10,
+    "drawn": 0.20,
+    "nested": 0.08,
+    "thin": 0.045,
+    "tiled": 0.045,
+}
 """How often an example is one that people have outlined, or comes from one of the pools."""
 
 BATCH = 16
 CORRECTIONS = (0, 0, 1, 2, 3)
 """Numbers of corrections before the network is taught, each as likely as the others."""
 
-FASTEST, WARM_UP = 2.5e-3, 150
-"""The largest rate of learning, and the steps until it is reached."""
+WARM_UP = 150
+"""Steps until the largest rate of learning is reached."""
+
+SEEN_BEFORE = 8
+"""Batches by which stored weights are made ready to learn on."""
+
+DEVICE = torch.device("cuda" if torch.cuda.is_available() else "cpu")
 
 LONGEST_GRADIENT = 2.0
 OVERLAP_COUNTS = 0.3
@@ -68,8 +87,12 @@ class Growth:
     ----------
     out : Path
         File of the weights.
+    start : Path, optional
+        File of the weights to learn on from; random ones if None.
     minutes : float
         Time for learning.
+    fastest : float
+        Largest rate of learning.
     ranks : int
         Processes that learn together, each from examples of its own.
     seed : int
@@ -77,7 +100,9 @@ class Growth:
     """
 
     out: Path
+    start: Path | None
     minutes: float
+    fastest: float
     ranks: int
     seed: int
 
@@ -98,12 +123,11 @@ class Examples:
     made: dict[str, list[Example]]
 
     def pick(self, plain: random.Random) -> Example:
-        """One of them; of the kinds that people have outlined the larger ones come more often."""
+        """One of them; all kinds that people have outlined come equally often."""
         source = plain.choices(list(SHARES), list(SHARES.values()))[0]
         if source != "people":
             return plain.choice(self.made[source])
-        counts = [math.sqrt(len(examples)) for examples in self.people.values()]
-        return plain.choice(self.people[plain.choices(list(self.people), counts)[0]])
+        return plain.choice(self.people[plain.choice(list(self.people))])
 
 
 def grow(rank: int, growth: Growth, examples: Examples, meeting: Path | None = None) -> None:
@@ -125,15 +149,29 @@ def grow(rank: int, growth: Growth, examples: Examples, meeting: Path | None = N
         distributed.init_process_group("gloo", store=store, rank=rank, world_size=growth.ranks)
     torch.set_num_threads(1)
     torch.manual_seed(growth.seed)
-    chance = Chance(growth.seed * 10 + rank)
-    network = UNet().to(memory_format=torch.channels_last)
+    network = UNet().to(DEVICE, memory_format=torch.channels_last)
+    optimizer = torch.optim.AdamW(network.parameters(), lr=growth.fastest, weight_decay=1e-3)
+    checkpoint = growth.out.with_suffix(".checkpoint")
+    step, share = 0, 0.0
+    if checkpoint.exists():
+        stored = torch.load(checkpoint, map_location=DEVICE)
+        step, share = stored["step"], stored["share"]
+        network.load_state_dict(stored["network"])
+        optimizer.load_state_dict(stored["optimizer"])
+    chance = Chance(growth.seed * 10 + rank + 1000 * step)
+    if growth.start is not None and step == 0:
+        batches = [_corrected_batch(network, examples, chance, 0) for _ in range(SEEN_BEFORE)]
+        with np.load(growth.start) as file:
+            restore(network, file, [_maps(*batch) for batch in batches])
     mean = copy.deepcopy(network)
-    optimizer = torch.optim.AdamW(network.parameters(), lr=FASTEST, weight_decay=1e-3)
-    began, step, share, told = time.monotonic(), 0, 0.0, []
+    if step:
+        mean.load_state_dict(stored["mean"])
+    began, told = time.monotonic() - share * growth.minutes * 60, []
     while share < 1:
         for group in optimizer.param_groups:
-            group["lr"] = _rate(step, share)
-        loss, overlap = _loss(network, *_corrected_batch(network, examples, chance))
+            group["lr"] = growth.fastest * _rate(step, share)
+        corrections = chance.plain.choice(CORRECTIONS)
+        loss, overlap = _loss(network, *_corrected_batch(network, examples, chance, corrections))
         optimizer.zero_grad()
         loss.backward()
         share = (time.monotonic() - began) / (growth.minutes * 60)
@@ -148,16 +186,23 @@ def grow(rank: int, growth: Growth, examples: Examples, meeting: Path | None = N
             figures = np.mean(told[-TOLD_EVERY:], axis=0)
             print(f"{step} steps, {share:.0%} of the time: loss {figures[0]:.3f}, overlap {figures[1]:.3f}", flush=True)
         if rank == 0 and (step % WRITTEN_EVERY == 0 or share >= 1):
-            _write(mean, growth.out)
+            with _replacing(growth.out) as file:
+                np.savez_compressed(file, **weights(mean))
+            parts = {"network": network, "mean": mean, "optimizer": optimizer}
+            states = {name: part.state_dict() for name, part in parts.items()}
+            with _replacing(checkpoint) as file:
+                torch.save(states | {"step": step, "share": share}, file)
 
 
 def _rate(step: int, share: float) -> float:
-    """Rate of learning at a step, after a share of the time: it rises at first, and falls as a cosine does."""
-    return FASTEST * (0.02 + 0.98 * 0.5 * (1 + math.cos(math.pi * share))) * min(1, (step + 1) / WARM_UP)
+    """Share of the largest rate of learning: it rises with the first steps, and falls as a cosine of the time."""
+    return (0.02 + 0.98 * 0.5 * (1 + math.cos(math.pi * share))) * min(1, (step + 1) / WARM_UP)
 
 
-def _corrected_batch(network: UNet, examples: Examples, chance: Chance) -> tuple[list[View], list[Prompt]]:
-    """Views with prompts, after as many answers of the network have been corrected as a robot user likes."""
+def _corrected_batch(
+    network: UNet, examples: Examples, chance: Chance, corrections: int
+) -> tuple[list[View], list[Prompt]]:
+    """Views with prompts, after a robot user has corrected so many answers of the network."""
     views: list[View] = []
     prompts: list[Prompt] = []
     while len(views) < BATCH:
@@ -167,10 +212,10 @@ def _corrected_batch(network: UNet, examples: Examples, chance: Chance) -> tuple
             prompts.append(first_prompt(seen, chance))
     as_mask = chance.plain.random() < 0.5
     network.eval()
-    for _ in range(chance.plain.choice(CORRECTIONS)):
+    for _ in range(corrections):
         with torch.no_grad():
             logits, _ = _answers(network, views, prompts)
-        for seen, prompt, probability in zip(views, prompts, torch.sigmoid(logits).numpy(), strict=True):
+        for seen, prompt, probability in zip(views, prompts, torch.sigmoid(logits).cpu().numpy(), strict=True):
             answer = probability > 0.5
             prompt.correct(answer, seen.mask, chance)
             prompt.former = answer.astype(np.float32) if as_mask else probability
@@ -180,17 +225,22 @@ def _corrected_batch(network: UNet, examples: Examples, chance: Chance) -> tuple
 
 def _answers(network: UNet, views: Sequence[View], prompts: Sequence[Prompt]) -> tuple[Tensor, Tensor]:
     """Logits of the pixels and of the overlaps."""
-    maps = np.stack([prompt.maps(seen.values) for seen, prompt in zip(views, prompts, strict=True)])
-    with torch.autocast("cpu", torch.bfloat16):
-        logits, overlaps = network(torch.from_numpy(maps).to(memory_format=torch.channels_last))
+    with torch.autocast(DEVICE.type, torch.bfloat16, enabled=DEVICE.type == "cuda"):
+        logits, overlaps = network(_maps(views, prompts))
     return logits.float(), overlaps.float()
+
+
+def _maps(views: Sequence[View], prompts: Sequence[Prompt]) -> Tensor:
+    """What the network sees."""
+    maps = np.stack([prompt.maps(seen.values) for seen, prompt in zip(views, prompts, strict=True)])
+    return torch.from_numpy(maps).to(DEVICE, memory_format=torch.channels_last)
 
 
 def _loss(network: UNet, views: Sequence[View], prompts: Sequence[Prompt]) -> tuple[Tensor, Tensor]:
     """What is minimized, and the mean overlap of the answers with the objects."""
     logits, estimates = _answers(network, views, prompts)
-    truth = torch.from_numpy(np.stack([seen.mask for seen in views]).astype(np.float32))
-    areas = torch.tensor([float(seen.area) for seen in views])
+    truth = torch.from_numpy(np.stack([seen.mask for seen in views]).astype(np.float32)).to(DEVICE)
+    areas = torch.tensor([float(seen.area) for seen in views], device=DEVICE)
     pixels = (1, 2)
     probability = torch.sigmoid(logits)
     common = (probability * truth).sum(pixels)
@@ -206,7 +256,7 @@ def _loss(network: UNet, views: Sequence[View], prompts: Sequence[Prompt]) -> tu
 
 def _exchanged(parameters: Sequence[nn.Parameter], share: float, ranks: int) -> float:
     """Mean share of the time over all ranks, so that they end together; gradients become their means."""
-    everything = torch.cat([*(parameter.grad.flatten() for parameter in parameters), torch.tensor([share])])
+    everything = torch.cat([*(parameter.grad.flatten().cpu() for parameter in parameters), torch.tensor([share])])
     distributed.all_reduce(everything)
     everything /= ranks
     parts = everything[:-1].split([parameter.numel() for parameter in parameters])
@@ -223,12 +273,23 @@ def _follow(mean: UNet, network: UNet, step: int) -> None:
             average.mul_(stays).add_(value, alpha=1 - stays)
 
 
-def _write(network: UNet, out: Path) -> None:
-    """Write the weights; a run that ends meanwhile leaves the former ones as they are."""
-    part = out.with_name(out.name + ".part")
+@contextmanager
+def _replacing(path: Path) -> Iterator[IO[bytes]]:
+    """A file for writing that takes its place once it is whole: a run that ends meanwhile leaves the former one."""
+    part = path.with_name(path.name + ".part")
     with part.open("wb") as file:
-        np.savez_compressed(file, **weights(network))
-    part.replace(out)
+        yield file
+    part.replace(path)
+
+
+def _pools(growth: Growth, outlined: Sequence[Path], drawn: Sequence[Path]) -> dict[str, list[Example]]:
+    """The pools, from a file if they were made before."""
+    path = growth.out.with_suffix(".pools")
+    if not path.exists():
+        with _replacing(path) as file:
+            pickle.dump(pools(outlined, drawn), file)
+    with path.open("rb") as file:
+        return pickle.load(file)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -236,14 +297,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Grow the weights of the prior.")
     parser.add_argument("out", type=Path, metavar="OUT.npz", help="file of the weights")
     parser.add_argument("--outlined", type=Path, nargs="+", required=True, metavar="FOLDER", help="labeled images")
-    parser.add_argument("--drawn", type=Path, required=True, metavar="FOLDER", help="drawings on transparent ground")
+    parser.add_argument("--drawn", type=Path, nargs="+", required=True, metavar="FOLDER", help="transparent drawings")
+    parser.add_argument("--start", type=Path, metavar="WEIGHTS.npz", help="weights to learn on from")
     parser.add_argument("--minutes", type=float, default=86.0, help="time for learning (default: %(default)s)")
+    parser.add_argument("--fastest", type=float, default=2.5e-3, help="rate of learning (default: %(default)s)")
     parser.add_argument("--ranks", type=int, default=2, help="processes that learn together (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="seed of the learning (default: %(default)s)")
     chosen = parser.parse_args(arguments)
     cv2.setNumThreads(1)
-    growth = Growth(chosen.out, chosen.minutes, chosen.ranks, chosen.seed)
-    examples = Examples(outlined(chosen.outlined, random.Random(chosen.seed)), pools(chosen.outlined, chosen.drawn))
+    growth = Growth(chosen.out, chosen.start, chosen.minutes, chosen.fastest, chosen.ranks, chosen.seed)
+    people = outlined(chosen.outlined, random.Random(chosen.seed))
+    examples = Examples(people, _pools(growth, chosen.outlined, chosen.drawn))
     counts = {name: len(found) for name, found in (examples.people | examples.made).items()}
     print(", ".join(f"{count} {name}" for name, count in counts.items()), flush=True)
     if growth.ranks == 1:

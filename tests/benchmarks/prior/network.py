@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -64,6 +65,47 @@ class UNet(nn.Module):
         return self.out(maps)[:, 0], overlap[:, 0]
 
 
+def restore(network: UNet, stored: Mapping[str, NDArray[np.float16]], seen: Sequence[Tensor]) -> None:
+    """Give a network stored weights, to learn on from them.
+
+    The stored ones hold the normalization within the convolutions. It is taken out again, by the mean and variance of
+    each layer over maps `seen`, each of shape (B, C, H, W), so that the answers stay the same.
+    """
+    normalizations = {}
+    for name, layer in network.named_modules():
+        key = _stored_name(name)
+        if key not in stored:
+            continue
+        matrix, offset = (torch.from_numpy(stored[each].astype(np.float32)) for each in (key, key + ".offset"))
+        if isinstance(layer, Block):
+            convolution, normalization = layer[0], layer[1]
+            inputs = convolution.weight.shape[1]
+            convolution.weight.data.copy_(matrix.unflatten(1, (3, 3, inputs)).permute(0, 3, 1, 2))
+            normalization.bias.data.copy_(offset)
+            normalization.running_var.fill_(1 - normalization.eps)
+            normalizations[normalization] = []
+        else:
+            layer.weight.data.copy_(matrix.view_as(layer.weight))
+            layer.bias.data.copy_(offset)
+
+    def watch(layer: nn.Module, given: tuple[Tensor]) -> None:
+        normalizations[layer].append(torch.stack([given[0].mean((0, 2, 3)), (given[0] ** 2).mean((0, 2, 3))]))
+
+    hooks = [layer.register_forward_pre_hook(watch) for layer in normalizations]
+    network.eval()
+    with torch.no_grad():
+        for maps in seen:
+            network(maps)
+        for layer, moments in normalizations.items():
+            mean, square = torch.stack(moments).mean(0)
+            layer.running_mean.copy_(mean)
+            layer.running_var.copy_(square - mean**2)
+            layer.weight.copy_(torch.sqrt(layer.running_var + layer.eps))
+            layer.bias.add_(mean)
+    for hook in hooks:
+        hook.remove()
+
+
 def _joined(level: int) -> nn.Sequential:
     """What follows where finer maps join again: two convolutions, only one at the two finest resolutions."""
     width = WIDTHS[level]
@@ -88,8 +130,13 @@ def weights(network: UNet) -> dict[str, NDArray[np.float16]]:
             matrix, offset = layer.weight.flatten(1), layer.bias
         else:
             continue
-        stored = re.sub(r"^(down|mix|up)\.", r"\1", name)
+        stored = _stored_name(name)
         found[stored], found[stored + ".offset"] = (
-            part.detach().numpy().astype(np.float16) for part in (matrix, offset)
+            part.detach().cpu().numpy().astype(np.float16) for part in (matrix, offset)
         )
     return found
+
+
+def _stored_name(layer: str) -> str:
+    """Name of a layer in the file of the weights."""
+    return re.sub(r"^(down|mix|up)\.", r"\1", layer)

@@ -40,12 +40,14 @@ SAMPLES = (
 )
 """Files of scikit-image that are looked at."""
 
-_OBJECTS_OF_AN_IMAGE = 4
+OBJECTS_OF_AN_IMAGE, _OBJECTS_OF_A_KIND = 4, 200
+"""Objects of an image at most; more where a kind has so few images that it would give less than the second number."""
+
 _AROUND = 160
 """Pixels to each side of the middle of an object that are kept of its image."""
 
-_MIN_AREA, _MIN_AREAS = 150, {"nuclei": 60}
-"""The smallest objects [px], and those of kinds that are small by nature."""
+_MIN_AREA = 60
+"""The smallest objects [px]."""
 
 _MOST_SHARE = 0.5
 """Share of the image above which a labeled region is what lies behind the objects."""
@@ -79,7 +81,7 @@ def in_color(image: NDArray[np.uint8]) -> Pixels:
 
 
 def outlined(folders: Sequence[Path], chance: random.Random) -> dict[str, list[Example]]:
-    """A few objects of each labeled image, without those held out, by the names of the folders.
+    """Objects of each labeled image, without those held out, by the names of the folders.
 
     Parameters
     ----------
@@ -92,17 +94,17 @@ def outlined(folders: Sequence[Path], chance: random.Random) -> dict[str, list[E
     for folder in folders:
         labeled = sorted(folder.glob("*" + _LABELS))
         kept = [path for number, path in enumerate(labeled) if number % HELD_OUT]
-        kinds[folder.name] = [example for path in kept for example in objects_of(path, chance)]
+        most = max(OBJECTS_OF_AN_IMAGE, _OBJECTS_OF_A_KIND // max(len(kept), 1))
+        kinds[folder.name] = [example for path in kept for example in objects_of(path, most, chance)]
     return kinds
 
 
-def objects_of(path: Path, chance: random.Random) -> Iterator[Example]:
-    """A few objects of the image that belongs to a file of labels, with what lies around them."""
+def objects_of(path: Path, most: int, chance: random.Random) -> Iterator[Example]:
+    """Some objects of the image that belongs to a file of labels, with what lies around them."""
     image, labels = labeled(path)
     areas = np.bincount(labels.ravel())
-    least = _MIN_AREAS.get(path.parent.name, _MIN_AREA)
-    fitting = [label for label in range(1, len(areas)) if least <= areas[label] < _MOST_SHARE * labels.size]
-    for label in chance.sample(fitting, min(_OBJECTS_OF_AN_IMAGE, len(fitting))):
+    fitting = [label for label in range(1, len(areas)) if _MIN_AREA <= areas[label] < _MOST_SHARE * labels.size]
+    for label in chance.sample(fitting, min(most, len(fitting))):
         middle = (int(pixels.mean()) for pixels in np.nonzero(labels == label))
         part = tuple(slice(max(at - _AROUND, 0), at + _AROUND) for at in middle)
         yield Example(image[part], labels[part] == label)

@@ -10,33 +10,35 @@ import cv2
 import numpy as np
 
 from tests.benchmarks.prior.drawn import drawn
+from tests.benchmarks.prior.lines import thin, tiled
 from tests.benchmarks.prior.nested import nested
 from tests.benchmarks.prior.pictures import Example, drawings, photographs, samples
 from tests.benchmarks.prior.scenes import made_up, regions
 
-REGIONS, REGIONS_OF_SAMPLES, MADE_UP, DRAWN, NESTED = 1400, 300, 3000, 7000, 2500
+REGIONS, REGIONS_OF_SAMPLES, MADE_UP, DRAWN, NESTED, THIN, TILED = 1400, 300, 3000, 7000, 2500, 1500, 1500
 """How many there are of each."""
 
-SEED, SEED_OF_SAMPLES, SEED_OF_DRAWINGS = 5, 6, 11
-"""Seeds of scenes without drawings, of the regions of scikit-image's samples, and of scenes with drawings."""
+SEED, SEED_OF_SAMPLES, SEED_OF_DRAWINGS, SEED_OF_LINES = 5, 6, 11, 12
+"""Seeds of scenes without drawings, of the regions of scikit-image's samples, of scenes with drawings, and of lines."""
 
 _GROUND = 200
 """Pixels along each side of photographs that become grounds."""
 
 
-def pools(outlined: Sequence[Path], folder_of_drawings: Path) -> dict[str, list[Example]]:
+def pools(outlined: Sequence[Path], drawn_folders: Sequence[Path]) -> dict[str, list[Example]]:
     """All scenes that are made up, by their kind.
 
     Parameters
     ----------
     outlined : sequence of Path
         Folders of images. Those held out are among them, as their outlines are not read here.
-    folder_of_drawings : Path
-        Folder of drawings.
+    drawn_folders : sequence of Path
+        Folders of drawings on transparent ground.
     """
     images = photographs(outlined)
     grounds = [cv2.resize(image, (_GROUND, _GROUND)) for image in images]
-    clips = drawings(folder_of_drawings, random.Random(SEED_OF_DRAWINGS))
+    chance = random.Random(SEED_OF_DRAWINGS)
+    clips = [clip for folder in drawn_folders for clip in drawings(folder, chance)]
     found = regions(images, REGIONS, np.random.default_rng(SEED))
     found += regions(samples(), REGIONS_OF_SAMPLES, np.random.default_rng(SEED_OF_SAMPLES))
     rng = np.random.default_rng(SEED)
@@ -45,7 +47,10 @@ def pools(outlined: Sequence[Path], folder_of_drawings: Path) -> dict[str, list[
     pasted = [_slim(drawn(clips, grounds, rng)) for _ in range(DRAWN)]
     rng = np.random.default_rng(SEED_OF_DRAWINGS)
     seen_through = [_slim(nested(clips, grounds, rng)) for _ in range(NESTED)]
-    return {"regions": found, "made_up": shapes, "drawn": pasted, "nested": seen_through}
+    rng = np.random.default_rng(SEED_OF_LINES)
+    lines, tiles = [thin(rng) for _ in range(THIN)], [tiled(rng) for _ in range(TILED)]
+    scenes = {"regions": found, "made_up": shapes, "drawn": pasted, "nested": seen_through}
+    return scenes | {"thin": lines, "tiled": tiles}
 
 
 def _slim(example: Example) -> Example:

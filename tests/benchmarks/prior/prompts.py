@@ -21,6 +21,9 @@ from tests.benchmarks.prior.textures import blurred, noise
 MAPS = 9
 """Input maps of the network."""
 
+_CUT_SHARE, _LEAST_LEFT = 0.12, 0.15
+"""How often an image ends within the object, and the least share of the object that is left then."""
+
 _MIN_VISIBLE, _MIN_HIT = 12, 4
 """Pixels of the object that a window must hold, and of where it may be pointed at."""
 
@@ -114,7 +117,7 @@ class Prompt:
 def view(example: Example, chance: Chance) -> View | None:
     """An example through a window of random place, size, turn and look; None if too little of it is left."""
     plain = chance.plain
-    image, mask, hit = example
+    image, mask, hit = _cut(example, plain) if plain.random() < _CUT_SHARE else example
     if image.shape[2] == 1:
         image = np.repeat(image, 3, axis=2)
     on_click = plain.random() < 0.35
@@ -134,6 +137,16 @@ def view(example: Example, chance: Chance) -> View | None:
     return View(values, visible, hit, area, on_click)
 
 
+def _cut(example: Example, plain: random.Random) -> Example:
+    """An example whose image ends within the object, at one side."""
+    axis, first = plain.randrange(2), plain.random() < 0.5
+    lines = np.flatnonzero(example.mask.any(axis=1 - axis))
+    at = plain.randint(int(lines[0]), int(lines[-1]))
+    part = (slice(None),) * axis + (slice(at, None) if first else slice(at + 1),)
+    left = Example(*(None if each is None else each[part] for each in example))
+    return left if left.mask.sum() > max(_LEAST_LEFT * example.mask.sum(), _MIN_VISIBLE) else example
+
+
 def _placed(mask: Mask, clicked: tuple[Any, ...] | None, chance: Chance) -> tuple[tuple[float, float], float]:
     """Middle (row, col) and side of a window around an object, or around where it has been clicked [px]."""
     plain = chance.plain
@@ -141,10 +154,10 @@ def _placed(mask: Mask, clicked: tuple[Any, ...] | None, chance: Chance) -> tupl
     extent = max(np.ptp(rows), np.ptp(cols)) + 1
     if clicked is None:
         row, col = (rows.min() + rows.max()) / 2, (cols.min() + cols.max()) / 2
-        factors = (1.05, 5) if plain.random() < 0.85 else (0.5, 1.05)
+        factors = (1.05, 8) if plain.random() < 0.85 else (0.5, 1.05)
     else:
         row, col = clicked
-        factors = (0.45, 6)
+        factors = (0.45, 8)
     largest = max(max(mask.shape) * 1.15, extent * 1.1)
     side = max(min(extent * chance.log_uniform(*factors), largest), 12)
     if clicked is None:
@@ -215,9 +228,9 @@ def first_prompt(seen: View, chance: Chance) -> Prompt:
         prompt.inside[half, half] = True
     elif kind < 0.45:
         prompt.inside[click(seen.hit, chance)] = True
-    elif kind < 0.66:
+    elif kind < 0.64:
         prompt.drawn = _disk(seen.hit, chance)
-    elif kind < 0.78:
+    elif kind < 0.75:
         prompt.inside = _stroke(seen.hit, chance)
     elif kind < 0.88:
         prompt.drawn = _box(seen.mask, chance)

@@ -45,7 +45,7 @@ Row = tuple[str, str, confidence.ConfidenceFeatures, bool]
 def held_out(folder: Path, chance: random.Random, most: int) -> list[pictures.Example]:
     """Objects of images of a folder that the prior has not learned from."""
     labeled = sorted(folder.glob("*_labels.png"))[:: pictures.HELD_OUT]
-    found = [example for path in labeled for example in pictures.objects_of(path, chance)]
+    found = [example for path in labeled for example in pictures.objects_of(path, pictures.OBJECTS_OF_AN_IMAGE, chance)]
     return chance.sample(found, min(most, len(found)))
 
 
