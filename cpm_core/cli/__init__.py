@@ -15,7 +15,7 @@ from argcomplete.shell_integration import shellcode
 
 from cpm_core.cli import batch, bench, compare, export, info, run, skeleton
 from cpm_core.cli.inputs import expand_paths, find_only_image
-from cpm_core.cli.output import direct_output, print_message
+from cpm_core.cli.output import STANDARD_STREAM, direct_output, print_message
 from cpm_core.cli.parser import CliParser
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.numerics.types import Texts
@@ -190,7 +190,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return EXIT_BROKEN_PIPE
     except OSError as error:
         _discard_output()
-        print_message(f"{error.filename or 'standard output'} cannot be written: {error.strerror or error}.")
+        what = f"{error.filename} cannot be used" if error.filename else "standard output cannot be written"
+        print_message(f"{what}: {error.strerror or error}.")
         return EXIT_BAD_INPUT
 
 
@@ -201,6 +202,8 @@ def _run_command(argv: Sequence[str]) -> int:
         if "_ARGCOMPLETE" in os.environ:
             argcomplete.autocomplete(whole)
         arguments = whole.parse_command(argv)
+        if getattr(arguments, "image", None) == STANDARD_STREAM and getattr(arguments, "save_session", None):
+            raise ValueError("--save-session needs an image in a file, but this one is on standard input.")
         if getattr(arguments, "image", None) is not None:
             arguments.image = find_only_image(arguments.image)
         if hasattr(arguments, "images"):

@@ -59,9 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_options(parser.add_mutually_exclusive_group(), "--workers", "--scheduler")
     add_parameter_options(parser.add_argument_group("parameters", "In place of those of the session."))
     outcome = parser.add_argument_group("outcome")
-    outcome.add_argument(
-        "--output", metavar="DIR", required=True, help="Folder to write to; made if there is none."
-    )
+    outcome.add_argument("--output", metavar="DIR", required=True, help="Folder to write to; made if there is none.")
     outcome.add_argument(
         "--export",
         metavar="FORMAT",

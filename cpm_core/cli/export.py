@@ -78,7 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         required=True,
         help=EXPORT_HELP.format(what="it", suffixes=", ".join(dict.fromkeys(writable))),
     )
-    parser.add_argument("--objects", action="store_true", help="Write the objects of a session, instead of its contours.")
+    parser.add_argument("--objects", action="store_true", help="Write the objects of a session, not its contours.")
     parser.add_argument("--outlines", action="store_true", help="Draw lines in label masks, not areas.")
     add_options(parser, "--space")
 

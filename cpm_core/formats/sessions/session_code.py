@@ -13,7 +13,7 @@ from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.formats.sessions.session_run import is_volume_session
 from cpm_core.image.colors import CONTRAST_CHOICE, LUMINANCE_CHOICE
 from cpm_core.numerics.types import Integers, Line, Place, Texts, frozen
-from cpm_core.objects.segmented.segmented_object import Clicks
+from cpm_core.objects.segmented.segmented_object import Click, Clicks
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.shapes import (
     Barrier,
@@ -87,7 +87,7 @@ class SessionCode:
         lines += self._write_objects(given)
         imports |= {"from cpm_core.objects.segmented import Click, select_by_clicks"} if self.clicked else set()
         head = sorted(imports, key=lambda line: ("dataclasses" not in line, line.startswith("from"), line))
-        return "\n".join([*head, "", *lines, "print(*objects, sep=\"\\n\")", ""])
+        return "\n".join([*head, "", *lines, 'print(*objects, sep="\\n")', ""])
 
     def _write_objects(self, given: str) -> Iterator[str]:
         """Write the lines that take the objects of a result, or of an image."""
@@ -97,7 +97,7 @@ class SessionCode:
             return
         yield "clicks = ["
         for clicks in self.clicked:
-            yield f"    [{', '.join(map(repr, clicks))}],"
+            yield f"    [{', '.join(map(_format_click, clicks))}],"
         yield "]"
         if self.picked:
             yield f"proposed = {own}"
@@ -183,6 +183,12 @@ def write_saved_objects_command(file: str) -> str:
 def join_words(words: Iterable[str]) -> str:
     """Join words to a line for the shell of this system."""
     return subprocess.list2cmdline([*words]) if os.name == "nt" else shlex.join(words)
+
+
+def _format_click(click: Click) -> str:
+    """Format a click as Python."""
+    others = ("" if click.inside else ", inside=False") + (f", step={click.step}" if click.step else "")
+    return f"Click({click.places!r}{others})"
 
 
 def _format_number(number: object) -> str:
