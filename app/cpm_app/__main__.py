@@ -57,7 +57,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             except ValueError as error:
                 return _print_error(str(error))
             if not os.path.lexists(arguments[0]):
-                return _print_error(f"“{first}” is no command and no file; see cpm --help.")
+                from cpm_core.parameters.formatting import suggest_name
+
+                near = suggest_name(first, _COMMAND_NAMES) or "see cpm --help."
+                return _print_error(f"“{first}” is no command and no file: {near}")
         if len(arguments) > 1:
             return _print_error(f"The window opens one image but {len(arguments)} were given; see cpm --help.")
         return _open_window(arguments[0] if arguments else None)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, NoReturn
+from contextlib import suppress
+from textwrap import fill
+from typing import NamedTuple
 
 import argcomplete
 from argcomplete.shell_integration import shellcode
 
 from cpm_core.cli import batch, bench, compare, export, info, run, skeleton
 from cpm_core.cli.inputs import expand_paths, find_only_image
-from cpm_core.cli.output import print_message
+from cpm_core.cli.output import STANDARD_STREAM, direct_output, print_message
+from cpm_core.cli.parser import CliParser
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.numerics.types import Texts
 
@@ -24,18 +26,25 @@ EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
 """Exit status after Ctrl+C, as shells report it."""
 
+_WIDTH = 80
+"""Width of the descriptions [characters]."""
+
 EXIT_BROKEN_PIPE = 141
 """Exit status after writing to a closed pipe, as shells report it."""
 
 
 class CliCommand(NamedTuple):
-    """A command: its help in a few words and in a sentence, its arguments, its effect and example lines."""
+    """A command: its help in a few words and in a sentence, its arguments, its effect, example lines, usual options.
+
+    Where there are no usual options, all are shown at once.
+    """
 
     help: str
     description: str
     add_arguments: Callable[[argparse.ArgumentParser], object]
     run: Callable[[argparse.Namespace], int | None]
     examples: Texts
+    usual: str = ""
 
 
 CLI_COMMANDS = {
@@ -49,6 +58,7 @@ CLI_COMMANDS = {
             "cpm run stack.tif --pages all --auto grid --export stack.csv",
             "cpm run cell.png --start cell.roi --save-session cell.cpm",
         ),
+        "session circle stroke auto volume xy object not objects preset export save-session json quiet",
     ),
     "batch": CliCommand(
         "find the objects of many images",
@@ -62,6 +72,7 @@ CLI_COMMANDS = {
             "cpm batch images --session cell.cpm --output found",
             'cpm batch "images/*.png" --session cell.cpm --output found --export labelme csv masks',
         ),
+        "session output export contours workers again dry-run json quiet",
     ),
     "export": CliCommand(
         "write a session or contours in other formats",
@@ -85,17 +96,18 @@ CLI_COMMANDS = {
             "cpm skeleton retina.png --of dark --export vessels.svg",
             "cpm skeleton angio.nii --volume --export tree.swc",
         ),
+        "volume of within pruning export json quiet",
     ),
     "compare": CliCommand(
         "compare methods on the same image and start",
-        "Run the charged particles and classical methods from the same start, one after the other. "
-        f"{compare.METHODS_HELP}",
+        "Run the charged particles and classical methods from the same start, one after the other.",
         compare.add_arguments,
         compare.run_comparison,
         (
             "cpm compare cell.png --circle 120,80,30 --truth cell_mask.png",
             "cpm compare cell.png --circle 120,80,30 --methods cpm gvf --export table.csv",
         ),
+        "session circle polygon methods truth export json quiet",
     ),
     "info": CliCommand(
         "show the properties of an image or volume",
@@ -115,7 +127,7 @@ CLI_COMMANDS = {
     "completion": CliCommand(
         "complete commands in your shell",
         "Print a script for a shell, with which the tab key completes commands, options and files.",
-        lambda parser: parser.add_argument("shell", choices=("bash", "zsh", "fish", "powershell"), help="which shell"),
+        lambda parser: parser.add_argument("shell", choices=("bash", "zsh", "fish", "powershell"), help="The shell."),
         lambda arguments: print(shellcode(["cpm"], shell=arguments.shell)),
         ('eval "$(cpm completion bash)"', "cpm completion fish > ~/.config/fish/completions/cpm.fish"),
     ),
@@ -123,33 +135,25 @@ CLI_COMMANDS = {
 """The commands by name, in the order of the help."""
 
 
-class _Parser(argparse.ArgumentParser):
-    """Parser that raises ValueError, which `main` reports."""
-
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(**{"formatter_class": argparse.RawDescriptionHelpFormatter, "allow_abbrev": False, **settings})
-        # argparse would take -50,-50,3 and -1e-3 for options
-        self._negative_number_matcher = re.compile(r"-(?:\.?\d|inf|nan)", re.IGNORECASE)
-
-    def error(self, message: str) -> NoReturn:
-        raise ValueError(f"{message}. See {self.prog} --help.")
-
-
-def build_parser() -> argparse.ArgumentParser:
+def build_parser() -> CliParser:
     """Build the parser of the whole command line."""
-    whole = _Parser(
+    whole = CliParser(
         prog="cpm",
         description="Find contours in images with charged particles.",
         epilog="Without a command the window opens, on an image or a folder of images if one is named: cpm [IMAGE].",
     )
-    whole.add_argument("--version", action="version", version=f"cpm {VERSION}", help="show the version")
+    whole.add_argument("--version", action="version", version=f"cpm {VERSION}", help="Show the version.")
     commands = whole.add_subparsers(metavar="COMMAND", dest="name", required=True)
     for name, command in CLI_COMMANDS.items():
         examples = "\n  ".join(["Examples:", *command.examples])
-        made = commands.add_parser(name, help=command.help, description=command.description, epilog=examples)
+        made = commands.add_parser(
+            name, help=command.help, description=fill(command.description, _WIDTH), epilog=examples, usual=command.usual
+        )
         command.add_arguments(made)
+        made.usage = f"{made.format_usage().removeprefix('usage: ').rstrip()} [OPTION ...]"
         if name != "completion":
-            made.add_argument("--json", action="store_true", help="print one JSON object")
+            made.add_argument("--json", action="store_true", help="Print one JSON object.")
+            made.add_argument("--quiet", action="store_true", help="Print errors only.")
     return whole
 
 
@@ -171,16 +175,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")  # for terminals that cannot show every character
     try:
-        whole = build_parser()
-        if "_ARGCOMPLETE" in os.environ:
-            argcomplete.autocomplete(whole)
-        arguments = whole.parse_args(argv)
-        if getattr(arguments, "image", None) is not None:
-            arguments.image = find_only_image(arguments.image)
-        if hasattr(arguments, "images"):
-            arguments.images = expand_paths(arguments.images)
-        status = CLI_COMMANDS[arguments.name].run(arguments) or 0
-        sys.stdout.flush()
+        return _run_command(sys.argv[1:] if argv is None else argv)
     except ValueError as error:
         print_message(str(error))
         return EXIT_BAD_INPUT
@@ -191,6 +186,39 @@ def main(argv: Sequence[str] | None = None) -> int:
         print_message(f"interrupted; {interrupt}." if str(interrupt) else "interrupted.")
         return EXIT_INTERRUPTED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise Python reports an error at exit
+        _discard_output()
         return EXIT_BROKEN_PIPE
-    return status
+    except OSError as error:
+        _discard_output()
+        what = f"{error.filename} cannot be used" if error.filename else "standard output cannot be written"
+        print_message(f"{what}: {error.strerror or error}.")
+        return EXIT_BAD_INPUT
+
+
+def _run_command(argv: Sequence[str]) -> int:
+    """Parse arguments and run their command, until its output is written."""
+    try:
+        whole = build_parser()
+        if "_ARGCOMPLETE" in os.environ:
+            argcomplete.autocomplete(whole)
+        arguments = whole.parse_command(argv)
+        if getattr(arguments, "image", None) == STANDARD_STREAM and getattr(arguments, "save_session", None):
+            raise ValueError("--save-session needs an image in a file, but this one is on standard input.")
+        if getattr(arguments, "image", None) is not None:
+            arguments.image = find_only_image(arguments.image)
+        if hasattr(arguments, "images"):
+            arguments.images = expand_paths(arguments.images)
+        if arguments.name == "completion":
+            return CLI_COMMANDS[arguments.name].run(arguments) or 0
+        exports = arguments.to if arguments.name == "export" else getattr(arguments, "export", None) or []
+        with direct_output(exports, quiet=arguments.quiet, as_json=arguments.json):
+            return CLI_COMMANDS[arguments.name].run(arguments) or 0
+    finally:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+
+
+def _discard_output() -> None:
+    """Discard what standard output could not take; otherwise Python reports an error at exit."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -11,17 +11,20 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.formats import CONTOURS_WRITABLE, IMAGES_READABLE, check_export
+from cpm_core.formats import IMAGES_READABLE, check_export
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX
 from cpm_core.image.colors import CONTRAST_CHOICE, LUMINANCE_CHOICE
 from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.numerics.types import JsonDict
-from cpm_core.parameters import DEFAULT_VALUES, PARAMETERS, PRESETS, Parameters
+from cpm_core.parameters import AUTOMATIC_PARAMETERS, PARAMETERS, PRESETS, ParameterInfo, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
 from cpm_core.parameters.formatting import quote_value
 
+_PARAMETER_NAMES = (*PARAMETERS, *CHOICE_PARAMETERS)
+"""Names of all parameters."""
+
 CHANNEL_HELP = (
-    "Or its number in a file that holds several, from 1; or contrast, for the color whose gray levels vary the most."
+    "A number selects a channel of a file that holds several, from 1; contrast the color whose gray levels vary most."
 )
 """Help on channels that are not named."""
 
@@ -43,9 +46,15 @@ def parse_whole_number(text: str) -> int:
     return int(text)
 
 
-def parse_number_list(flag: str, text: str, form: str) -> tuple[float, ...]:
-    """Parse numbers between commas, in a form such as ROW,COL,RADIUS, or ROW,COL,... for any number of points."""
+def parse_number_list(flag: str, text: str, form: str, *, is_xy: bool = False) -> tuple[float, ...]:
+    """Parse numbers between commas, in a form such as ROW,COL,RADIUS, or ROW,COL,... for any number of points.
+
+    With `is_xy` places are given as X,Y, or X,Y,Z in a volume.
+    """
+    axes = 3 if "PLANE" in form else 2
     count = form.replace(",...", "").count(",") + 1
+    if is_xy:
+        form = form.replace("PLANE,ROW,COL", "X,Y,Z").replace("ROW,COL", "X,Y")
     try:
         numbers = tuple(map(float, text.split(",")))
     except ValueError:
@@ -53,7 +62,13 @@ def parse_number_list(flag: str, text: str, form: str) -> tuple[float, ...]:
     fits = len(numbers) % count == 0 if form.endswith("...") else len(numbers) == count
     if not numbers or not fits or not np.isfinite(numbers).all():
         raise ValueError(f"{flag} is {quote_value(text)} but must be numbers between commas, {form}.")
-    return numbers
+    return _reverse_places(numbers, axes) if is_xy else numbers
+
+
+def _reverse_places(numbers: tuple[float, ...], axes: int) -> tuple[float, ...]:
+    """Reverse the axes of each place; a radius after the places stays."""
+    last = len(numbers) // axes * axes
+    return (*(number for at in range(0, last, axes) for number in numbers[at : at + axes][::-1]), *numbers[last:])
 
 
 def group_coordinates(numbers: Sequence[float], axes: int) -> tuple[tuple[float, ...], ...]:
@@ -62,48 +77,57 @@ def group_coordinates(numbers: Sequence[float], axes: int) -> tuple[tuple[float,
 
 
 _SHARED_OPTIONS: dict[str, JsonDict] = {
-    "image": {"metavar": "IMAGE", "help": f"image ({', '.join(IMAGES_READABLE)})"},
+    "image": {
+        "metavar": "IMAGE",
+        "help": "The image, or - for one on standard input. Its format is one of "
+        f"{', '.join(IMAGES_READABLE)}; an address of fsspec does as well.",
+    },
     "images": {
         "metavar": "IMAGE",
         "nargs": "+",
-        "help": f"image, folder or pattern such as *.tif ({', '.join(IMAGES_READABLE)})",
+        "help": "Images, folders of images, or patterns such as *.tif. Formats are "
+        f"{', '.join(IMAGES_READABLE)}; addresses of fsspec do as well.",
     },
     "--session": {
         "metavar": "FILE",
-        "help": f"session file ({SESSION_SUFFIX}) with image, start, regions and parameters",
+        "help": f"Session file ({SESSION_SUFFIX}) with image, start, limits and parameters.",
     },
-    "--page": {"metavar": "N", "help": "plane, page or frame of a file that holds several, from 1"},
-    "--time": {"metavar": "N", "help": "point in time of a file that holds several, from 1"},
+    "--page": {"metavar": "N", "help": "Plane, page or frame of a file that holds several, from 1."},
+    "--time": {"metavar": "N", "help": "Point in time of a file that holds several, from 1."},
     "--channel": {
-        "metavar": "N",
-        "help": f"channel of a color image by its name, such as green. {CHANNEL_HELP}",
+        "metavar": "N|NAME",
+        "help": f"Channel of a color image by its name, such as green. {CHANNEL_HELP}",
     },
     "--series": {
         "metavar": "N|NAME",
-        "help": "series of a TIFF or of a folder of DICOM files, or array of an archive",
+        "help": "Series of a TIFF or of a folder of DICOM files, or array of an archive.",
     },
     "--pixel-size": {
         "metavar": "SIZE",
-        "help": "size of a pixel where the file does not state, such as 0.25um, of rows and columns 0.5x0.25um, "
-        "of planes, rows and columns 2x0.5x0.5mm",
+        "help": "Size of a pixel where the file states none, such as 0.25um. Of rows and columns 0.5x0.25um, of "
+        "planes, rows and columns 2x0.5x0.5mm.",
     },
-    "--preset": {"choices": tuple(PRESETS)},
-    "--max-steps": {"metavar": "N", "type": parse_whole_number, "help": "stop each run after N steps"},
+    "--xy": {
+        "action": "store_true",
+        "help": "Give places as X,Y instead of ROW,COL. In a volume they are X,Y,Z instead of PLANE,ROW,COL.",
+    },
+    "--preset": {"metavar": "NAME", "choices": tuple(PRESETS)},
+    "--max-steps": {"metavar": "N", "type": parse_whole_number, "help": "Stop each run after N steps."},
     "--space": {
         "choices": CONVENTIONS,
-        "help": "coordinates in files of a surface or of center lines: to the left, back and head of a patient, or to "
-        "the right, front and head (default: LPS)",
+        "help": "Coordinates in files of a surface or of center lines. LPS (default): to the left, back and head of a "
+        "patient; RAS: to the right, front and head.",
     },
     "--export": {"metavar": "PATH", "nargs": "+", "action": "extend", "default": []},
     "--workers": {
         "metavar": "N",
         "type": parse_whole_number,
-        "help": "processes to work in, each on one core (default: all)",
+        "help": "Number of processes to work in, each on one core (default: all cores).",
     },
     "--scheduler": {
         "metavar": "ADDRESS",
-        "help": "work on a dask cluster that sees the same files; dask trusts its network, and anyone who reaches "
-        "the scheduler can run programs on its workers",
+        "help": "Work on a dask cluster that sees the same files. dask trusts its network: anyone who reaches the "
+        "scheduler can run programs on its workers.",
     },
 }
 """Options that several commands share; see `parse_part` for those that select a part of a file."""
@@ -111,8 +135,11 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
 PART_OPTIONS = ("--page", "--time", "--series", "--pixel-size")
 """Options for the part of a file, and for setting the size of a pixel."""
 
-EXPORT_FORMATS_HELP = f"({', '.join(CONTOURS_WRITABLE)})"
-"""Suffixes of the formats of contours, for the help."""
+EXPORT_HELP = (
+    "Write {what}, each file in the format of its suffix. A name such as -.csv is standard output. "
+    "Suffixes: {suffixes}."
+)
+"""Help on files to write."""
 
 
 def add_options(parser: argparse._ActionsContainer, *names: str, **changes: Any) -> None:
@@ -159,22 +186,35 @@ def parse_part(arguments: argparse.Namespace, *, volume: bool = False, runs: boo
 
 
 def add_parameter_options(
-    parser: argparse._ActionsContainer, names: Sequence[str] = (*PARAMETERS, *CHOICE_PARAMETERS)
+    parser: argparse._ActionsContainer, names: Sequence[str] = _PARAMETER_NAMES, defaults: Sequence[Parameters] = ()
 ) -> None:
-    """Add parameters, each as a flag of its name; see `parse_parameters`."""
+    """Add parameters, each as a flag of its name; see `parse_parameters`. `defaults` are of images, and of volumes."""
     for name in names:
-        if name in CHOICE_PARAMETERS:
-            choice = CHOICE_PARAMETERS[name]
-            effects = " ".join(f"{value}: {effect}" for value, effect in choice.choices.items())
-            meaning = f"{choice.meaning} {effects} {CHANNEL_HELP if name == 'channel' else ''}".rstrip()
-        else:
-            meaning = f"{PARAMETERS[name].meaning} {PARAMETERS[name].effect_of_larger}"
+        own = dict.fromkeys(str(getattr(one, name)) for one in defaults)
+        limits = [] if name in CHOICE_PARAMETERS else [_describe_range(PARAMETERS[name])]
+        limits += [f"default: {', in a volume '.join(own)}"] if own else []
+        addition = f" ({'; '.join(limits)})" if limits else ""
         parser.add_argument(
             "--" + name.replace("_", "-"),
-            metavar=name.upper(),
+            metavar="NAME" if name in CHOICE_PARAMETERS else "X",
             type=str if name in CHOICE_PARAMETERS else parse_number_or_text,
-            help=f"{meaning} (default: {DEFAULT_VALUES[name]})".replace("%", "%%"),
+            help=f"{_describe_parameter(name)}{addition}".replace("%", "%%"),
         )
+
+
+def _describe_parameter(name: str) -> str:
+    """Describe a parameter in sentences."""
+    if name not in CHOICE_PARAMETERS:
+        return f"{PARAMETERS[name].meaning} {PARAMETERS[name].effect_of_larger}"
+    choice = CHOICE_PARAMETERS[name]
+    effects = " ".join(f"{value}: {effect}" for value, effect in choice.choices.items())
+    return f"{choice.meaning} {effects} {CHANNEL_HELP if name == 'channel' else ''}".rstrip()
+
+
+def _describe_range(info: ParameterInfo) -> str:
+    """Describe the values that a parameter can have."""
+    values = f"{info.low:g} to {info.high:g}"
+    return f"{values}, or auto: derived from the image" if info.name in AUTOMATIC_PARAMETERS else values
 
 
 def parse_parameters(arguments: argparse.Namespace, base: Parameters) -> Parameters:

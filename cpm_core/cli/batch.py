@@ -14,7 +14,7 @@ from operator import attrgetter
 from pathlib import Path
 
 from cpm_core.cli.arguments import add_options, add_parameter_options, parse_parameters
-from cpm_core.cli.output import EXIT_IN_PART, StatusLine, ensure_compiled, print_json, print_message, print_notes
+from cpm_core.cli.output import EXIT_IN_PART, StatusLine, ensure_compiled, print_json, print_note, print_notes
 from cpm_core.cli.workers import BatchJob, BatchKind, BatchRow, NamedFiles, run_locally, run_on_scheduler
 from cpm_core.formats import (
     CONTOURS_WRITABLE,
@@ -24,13 +24,13 @@ from cpm_core.formats import (
     find_named_suffix,
 )
 from cpm_core.formats.common.atomic import append_bytes, draft_files, remove_abandoned_drafts, write_together
-from cpm_core.formats.common.content import compute_fingerprint, try_fingerprint
+from cpm_core.formats.common.content import compute_fingerprint, find_local_file, try_fingerprint
 from cpm_core.formats.common.printable import escape_cell, make_printable, unescape_cell
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.formats.sessions.session_run import is_volume_session
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.parameters import Parameters
-from cpm_core.parameters.formatting import format_count, quote_value
+from cpm_core.parameters.formatting import format_choice, format_count, quote_value
 from cpm_core.shapes.document_shapes import select_starts
 
 SUMMARY_NAME = "summary.csv"
@@ -57,15 +57,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_options(parser, "images")
     add_options(parser, "--session", required=True)
     add_options(parser.add_mutually_exclusive_group(), "--workers", "--scheduler")
-    add_parameter_options(parser.add_argument_group("parameters (in place of those of the session)"))
+    add_parameter_options(parser.add_argument_group("parameters", "In place of those of the session."))
     outcome = parser.add_argument_group("outcome")
-    outcome.add_argument("--output", metavar="DIR", required=True, help="folder to write to; made if there is none")
+    outcome.add_argument("--output", metavar="DIR", required=True, help="Folder to write to; made if there is none.")
     outcome.add_argument(
         "--export",
         metavar="FORMAT",
         nargs="+",
-        help=f"formats to write: {', '.join(FORMATS_BY_NAME)}, or a suffix of {', '.join(CONTOURS_WRITABLE)} "
-        "(default: svg, png, and csv, whose tables are joined)",
+        help=f"Formats to write: {', '.join(FORMATS_BY_NAME)}, or a suffix (default: csv, svg and png; in volumes csv "
+        f"and tif). Suffixes: {', '.join(dict.fromkeys((*CONTOURS_WRITABLE, *VOLUMES_WRITABLE)))}.",
     )
     outcome.add_argument(
         "--contours",
@@ -73,10 +73,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_const",
         const="contours",
         default="objects",
-        help="write the contours instead of the objects",
+        help="Write the contours instead of the objects.",
     )
     add_options(outcome, "--max-steps")
-    outcome.add_argument("--again", action="store_true", help="do also what the summary says is done")
+    outcome.add_argument("--again", action="store_true", help="Do also what the summary says is done.")
+    outcome.add_argument(
+        "--dry-run", action="store_true", help="Write nothing; list what would be read, written and overwritten."
+    )
 
 
 def run_batch(arguments: argparse.Namespace) -> int:
@@ -90,15 +93,13 @@ def run_batch(arguments: argparse.Namespace) -> int:
     suffixes = tuple(dict.fromkeys(map(find_named_suffix, arguments.export or default)))
     for suffix in suffixes:
         if suffix not in writable:
-            names = ", ".join((*FORMATS_BY_NAME, *writable))
-            raise ValueError(f"--export is {quote_value(suffix)} but must be one of {names}.")
+            choice = format_choice(suffix, (*FORMATS_BY_NAME, *writable))
+            raise ValueError(f"--export is {quote_value(suffix)} but must be {choice}")
     if not select_starts(session.shapes):
         raise ValueError(f"{source} has no start: draw one, or start everywhere, and save it again.")
     output = Path(arguments.output)
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ValueError(f"--output is {output} but no folder can be made there: {error.strerror or error}.") from error
+    if not arguments.dry_run:
+        _make_folder(output)
     batch = Batch(
         arguments.images,
         session,
@@ -110,9 +111,11 @@ def run_batch(arguments: argparse.Namespace) -> int:
         kind=arguments.kind,
         again=arguments.again,
     )
+    if arguments.dry_run:
+        return _list_plan(batch, arguments)
     print_notes(source.name, session.notes)
     if batch.rows:
-        print_message(f"{format_count(len(batch.rows), 'image')} done before; --again does them again.")
+        print_note(f"{format_count(len(batch.rows), 'image')} done before; --again does them again.")
     jobs, began = batch.jobs, time.perf_counter()
     try:
         ensure_compiled()
@@ -150,13 +153,42 @@ def run_batch(arguments: argparse.Namespace) -> int:
     return EXIT_IN_PART if failed or lacking else 0
 
 
+def _make_folder(output: Path) -> None:
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ValueError(f"--output is {output} but no folder can be made there: {error.strerror or error}.") from error
+
+
+def _list_plan(batch: Batch, arguments: argparse.Namespace) -> int:
+    """List what a batch would read, write and overwrite."""
+    images = [
+        {
+            "image": job.row.image,
+            "writes": [str(file) for file, _ in job.files],
+            "overwrites": [str(file) for file, _ in job.files if file.exists()],
+        }
+        for job in batch.jobs
+    ]
+    if arguments.json:
+        print_json(arguments.name, {"plan": images, "done_before": len(batch.rows)})
+        return 0
+    for job in batch.jobs:
+        files = ", ".join(f"{file}{' (exists)' if file.exists() else ''}" for file, _ in job.files)
+        print(make_printable(f"{job.row.image}: would write {files}"))
+    tables = ", ".join(str(Path(arguments.output) / name) for name in batch.table_names)
+    before = f"; {len(batch.rows)} done before" if batch.rows else ""
+    print(make_printable(f"{format_count(len(images), 'image')} to do{before}; would write {tables}"))
+    return 0
+
+
 class Batch:
     """A session for many images, and the table in their folder, which keeps the rows of earlier batches.
 
     Parameters
     ----------
     images : sequence of str
-        The images as the user named them.
+        The images as the user named them: paths, or addresses of fsspec.
     session : SessionFile
         Start, regions and charges.
     source : Path
@@ -208,14 +240,14 @@ class Batch:
             "", session_sha256=compute_fingerprint(source), settings=" ".join([*asked, f"{kind}={','.join(suffixes)}"])
         )
         self._images, self._folder, self._suffixes, self._kind = images, output, suffixes, kind
-        remove_abandoned_drafts(output)
+        self._paths = tuple(map(find_local_file, images))
         known = _read_rows(output / SUMMARY_NAME)
         self.rows: dict[int, BatchRow] = {} if again else dict(self._find_done_rows(known, plain))
         own, used = {Path(make_printable(image)).absolute() for image in images}, set(map(id, self.rows.values()))
         # the files of images of this batch will be replaced, and no row may outlive its files if the batch is killed
         self._others = [row for row in known if id(row) not in used and Path(row.image).absolute() not in own]
         self.jobs = tuple(
-            BatchJob(number, replace(plain, image=images[number]), str(Path(images[number]).absolute()), session,
+            BatchJob(number, replace(plain, image=images[number]), str(self._paths[number].absolute()), session,
                 parameters, max_steps, files, kind)
             for number, files in self._name_files()
         )  # fmt: skip
@@ -236,17 +268,17 @@ class Batch:
         names = {name for name, _ in alike}
         for number, image in enumerate(self._images):
             name = make_printable(Path(image).name)
-            if name in names and (rows := alike.get((name, try_fingerprint(Path(image))))):
+            if name in names and (rows := alike.get((name, try_fingerprint(self._paths[number])))):
                 yield number, rows.pop(0)
 
     def _name_files(self) -> Iterator[tuple[int, NamedFiles]]:
         """Name the files of each image that is left to do; none belongs to another image, or is an input."""
         folder = self._folder.resolve()
         known = [folder / name for row in self._list_table_rows() for name in row.files]
-        taken = {str(file).lower() for file in (*known, *(Path(image).resolve() for image in self._images))}
+        taken = {str(file).lower() for file in (*known, *(path.resolve() for path in self._paths))}
         tried: dict[str, int] = {}
         for number in (number for number in range(len(self._images)) if number not in self.rows):
-            start = make_printable(Path(self._images[number]).stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
+            start = make_printable(self._paths[number].stem).encode()[:_MAX_STEM_BYTES].decode(errors="ignore")
             for count in itertools.count(tried.get(start, 1)):
                 stem = start if count == 1 else f"{start}_{count}"
                 files = tuple(
@@ -261,6 +293,7 @@ class Batch:
 
     def write_results(self, results: Generator[tuple[BatchJob, BatchRow]]) -> Iterator[BatchRow]:
         """Write the row of each image as it is done, and yield the row; finally sort the table."""
+        remove_abandoned_drafts(self._folder)
         self._write_table()
         try:
             with closing(results):

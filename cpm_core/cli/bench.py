@@ -26,7 +26,7 @@ _DISK_PITCH = 64
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("--quick", action="store_true", help="a smaller scene, measured once")
+    parser.add_argument("--quick", action="store_true", help="Measure a smaller scene once.")
 
 
 def run_benchmarks(arguments: argparse.Namespace) -> None:

@@ -38,13 +38,13 @@ from cpm_core.methods import (
 )
 from cpm_core.numerics.types import JsonDict, Texts
 from cpm_core.parameters import PRESETS
-from cpm_core.parameters.formatting import format_count, quote_value
+from cpm_core.parameters.formatting import format_choice, format_count, quote_value
 from cpm_core.results.result import Result
 from cpm_core.shapes import Barrier, Charge, Circle, Polygon, PolygonRegion, Shape
 from cpm_core.shapes.document_shapes import check_axes, select_starts
 from cpm_core.shapes.outlines import drawn_outlines
 
-METHODS_HELP = " ".join(f"{method.name}: {method.about}" for method in CONTOUR_METHODS.values())
+_METHODS_HELP = " ".join(f"{method.name}: {method.about}" for method in CONTOUR_METHODS.values())
 """Descriptions of the methods, for the help."""
 
 _PARTICLE_METHODS = tuple(name for name, method in CONTOUR_METHODS.items() if method.of_particles)
@@ -56,18 +56,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_options(parser, "image", nargs="?")
     add_options(parser, "--session")
     add_options(parser.add_argument_group("part of a file"), *PART_OPTIONS, "--channel")
-    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
+    start = parser.add_argument_group("start", "One at least, here or of a session; several add up.")
     for flag, form, words in (
-        ("--circle", "ROW,COL,RADIUS", "a circle, in px"),
-        ("--polygon", "ROW,COL,ROW,COL,...", "corners of a closed line, in px"),
-        ("--start", "FILE", f"the closed contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask)"),
+        ("--circle", "ROW,COL,RADIUS", "Start on a circle, in px."),
+        ("--polygon", "ROW,COL,...", "Start on a closed line through these corners."),
+        ("--start", "FILE", f"Start at closed contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask)."),
     ):
         start.add_argument(flag, metavar=form, action="append", default=[], help=words)
     start.add_argument(
         "--around",
         action="store_true",
-        help="the start lies around the object, so that balloons and pressures drive contours inwards",
+        help="The start lies around the object, so that balloons and pressures drive contours inwards.",
     )
+    add_options(start, "--xy")
     methods = parser.add_argument_group("methods")
     methods.add_argument(
         "--methods",
@@ -75,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help=f"which methods ({', '.join(CONTOUR_METHODS)}; default: all)",
+        help=f"Compare these of the methods {', '.join(CONTOUR_METHODS)} (default: all). {_METHODS_HELP}",
     )
     others = (
         f"{name}: {', '.join(_list_setting_names(name))}" for name in CONTOUR_METHODS if name not in _PARTICLE_METHODS
@@ -86,20 +87,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help="settings of methods, such as geodesic.balloon=0.5 cpm.smoothing=2; of "
-        f"{'; of '.join(others)}; of {' and '.join(_PARTICLE_METHODS)}: the parameters of cpm run",
+        help="Change settings of methods, such as geodesic.balloon=0.5 cpm.smoothing=2. Settings are of "
+        f"{'; of '.join(others)}; of {' and '.join(_PARTICLE_METHODS)}: the parameters of cpm run.",
     )
     add_options(
-        methods, "--preset", help=f"named settings (default: of {' and '.join(_PARTICLE_METHODS)} those of the session)"
+        methods, "--preset", help=f"Settings of {' and '.join(_PARTICLE_METHODS)} (default: those of the session)."
     )
     add_options(methods, "--max-steps")
     outcome = parser.add_argument_group("outcome")
-    outcome.add_argument("--truth", metavar="MASK", help="ground truth: a mask, or a file of contours")
+    outcome.add_argument("--truth", metavar="MASK", help="Measure the agreement with a mask, or contours.")
     add_options(
         outcome,
         "--export",
-        help="write the table (.csv), or the contours of each method in a format of cpm run (such as .svg, .json, "
-        ".figure.png): with several methods a file for each, such as a.geodesic.svg",
+        help="Write the table (.csv), or the contours of each method in a format of cpm run. Of several methods "
+        "each has a file, such as a.geodesic.svg.",
     )
 
 
@@ -108,7 +109,7 @@ def run_comparison(arguments: argparse.Namespace) -> int:
     session = load_named_session(arguments)
     for name in arguments.methods:
         if name not in CONTOUR_METHODS:
-            raise ValueError(f"{quote_value(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
+            raise ValueError(f"--methods is {quote_value(name)} but must be {format_choice(name, CONTOUR_METHODS)}")
     names = list(dict.fromkeys(arguments.methods or CONTOUR_METHODS))
     settings = _parse_settings(arguments, names, session)
     drawn = _collect_start_shapes(arguments, session)
@@ -198,8 +199,8 @@ def _parse_settings(arguments: argparse.Namespace, methods: Sequence[str], sessi
             )
         if name not in _list_setting_names(method):
             raise ValueError(
-                f"{quote_value(name)} is not a setting of {method}: "
-                f"choose among {', '.join(_list_setting_names(method))}."
+                f"--set is {quote_value(text)}, but a setting of {method} must be "
+                f"{format_choice(name, _list_setting_names(method))}"
             )
         changes.setdefault(method, {})[name] = parse_number_or_text(value)
     return {name: replace(settings, **changes.get(name, {})) for name, settings in found.items()}
@@ -212,8 +213,8 @@ def _list_setting_names(method: str) -> Texts:
 
 def _collect_start_shapes(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
     """Return the shapes of the command line and of the session; ValueError when there is no start at all."""
-    circles = (parse_number_list("--circle", text, "ROW,COL,RADIUS") for text in arguments.circle)
-    polygons = (parse_number_list("--polygon", text, "ROW,COL,...") for text in arguments.polygon)
+    circles = (parse_number_list("--circle", text, "ROW,COL,RADIUS", is_xy=arguments.xy) for text in arguments.circle)
+    polygons = (parse_number_list("--polygon", text, "ROW,COL,...", is_xy=arguments.xy) for text in arguments.polygon)
     drawn: list[Shape] = [Circle((row, col), radius) for row, col, radius in circles]
     drawn += [Polygon(group_coordinates(numbers, 2)) for numbers in polygons]
     drawn += session.shapes

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from cpm_core.cli.arguments import add_options, check_exports, check_targets, parse_whole_number
+from cpm_core.cli.arguments import EXPORT_HELP, add_options, check_exports, check_targets, parse_whole_number
 from cpm_core.cli.inputs import (
     fit_parameters,
     locate_image,
@@ -51,9 +51,9 @@ from cpm_core.formats.sessions.session_run import is_volume_session, method_of, 
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import Extent, JsonDict
-from cpm_core.parameters import Parameters
+from cpm_core.parameters import Parameters, Provenance
 from cpm_core.parameters.formatting import format_count
-from cpm_core.results import boundaries_result
+from cpm_core.results import add_segmented_objects, boundaries_result
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import find_seeded_methods
 from cpm_core.shapes.document_shapes import select_starts
@@ -62,23 +62,24 @@ from cpm_core.shapes.document_shapes import select_starts
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     known = ", ".join((*CONTOURS_READABLE, *SURFACES_READABLE, *CENTERLINES_WRITABLE))
+    writable = (*CONTOURS_WRITABLE, *VOLUMES_WRITABLE, *CENTERLINES_WRITABLE)
     parser.add_argument(
         "source",
         metavar="FILE",
-        help=f"session ({SESSION_SUFFIX}), contours, a surface or center lines ({known}), or labels",
+        help=f"Session ({SESSION_SUFFIX}), contours, surface, center lines or labels. Formats are {known}.",
     )
-    parser.add_argument("--image", metavar="IMAGE", help="the image or volume that it belongs to")
-    parser.add_argument("--page", metavar="N", type=parse_whole_number, help="page of contours in a stack, from 1")
+    parser.add_argument("--image", metavar="IMAGE", help="The image or volume that it belongs to.")
+    parser.add_argument("--page", metavar="N", type=parse_whole_number, help="Page of contours in a stack, from 1.")
     parser.add_argument(
         "--to",
         metavar="PATH",
         nargs="+",
         action="extend",
         required=True,
-        help="files to write "
-        f"({', '.join(dict.fromkeys((*CONTOURS_WRITABLE, *VOLUMES_WRITABLE, *CENTERLINES_WRITABLE)))})",
+        help=EXPORT_HELP.format(what="it", suffixes=", ".join(dict.fromkeys(writable))),
     )
-    parser.add_argument("--outlines", action="store_true", help="lines in label masks, open ones too, instead of areas")
+    parser.add_argument("--objects", action="store_true", help="Write the objects of a session, not its contours.")
+    parser.add_argument("--outlines", action="store_true", help="Draw lines in label masks, not areas.")
     add_options(parser, "--space")
 
 
@@ -86,6 +87,8 @@ def run_export(arguments: argparse.Namespace) -> int:
     """Write the files, after all checks that need none of them."""
     source = Path(arguments.source)
     check_exports(arguments.to, arguments)
+    if arguments.objects and source.suffix.lower() != SESSION_SUFFIX:
+        raise ValueError(f"--objects is for sessions, but {source.name} is none: leave it out.")
     suffix, wanted = source.suffix.lower(), {find_format_suffix(path) for path in arguments.to}
     of_volumes = suffix in {*CENTERLINES_WRITABLE, *SURFACES_READABLE}
     if (
@@ -136,6 +139,13 @@ def _load_session_result(source: Path, arguments: argparse.Namespace) -> tuple[R
     path, reading = locate_image(arguments.image, session, source)
     check_targets(arguments.to, arguments, path)
     image = (load_volume if is_volume_session(session) else load_image)(path, **reading)
+    if arguments.objects:
+        made = Provenance("objects", sha256=image.sha256, of_file=bool(image.file_sha256))
+        nothing = boundaries_result(image.shape, image.source, image.spacing, image.unit, image=image, provenance=made)
+        objects = add_segmented_objects(nothing, session.objects)
+        if objects is None:
+            raise ValueError(f"{source.name} has no objects: accept some in the window, or leave out --objects.")
+        return objects, str(path)
     parameters = fit_parameters(image, session.parameters)
     result = record_drawn_shapes(_restore_or_run(session, parameters, image, source), session.shapes)
     return result, str(path)

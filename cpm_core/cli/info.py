@@ -8,13 +8,14 @@ from pathlib import Path
 from cpm_core.cli.arguments import PART_OPTIONS, add_options, parse_part
 from cpm_core.cli.output import EXIT_IN_PART, collect_geometry_facts, describe_geometry, print_json, print_message
 from cpm_core.formats import holds_volume, load_image, load_volume
+from cpm_core.formats.common.content import find_local_file
 from cpm_core.numerics.types import JsonDict
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_options(parser, "images", *PART_OPTIONS, "--channel")
-    parser.add_argument("--volume", action="store_true", help="take all planes of a file that holds several")
+    parser.add_argument("--volume", action="store_true", help="Take all planes of a file that holds several.")
 
 
 def show_info(arguments: argparse.Namespace) -> int:
@@ -24,8 +25,9 @@ def show_info(arguments: argparse.Namespace) -> int:
     facts: list[JsonDict] = []
     for path in arguments.images:
         try:
-            volume = arguments.volume or ("page" not in part and holds_volume(path, part.get("series")))
-            image = (load_volume if volume else load_image)(path, **part)
+            local = find_local_file(path)
+            volume = arguments.volume or ("page" not in part and holds_volume(local, part.get("series")))
+            image = (load_volume if volume else load_image)(local, **part)
         except ValueError as error:
             if single:
                 raise

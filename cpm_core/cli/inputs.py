@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import glob
 import os
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from cpm_core.cli.output import print_message, print_notes
+from cpm_core.cli.output import STANDARD_STREAM, print_message, print_notes
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
@@ -23,7 +24,13 @@ from cpm_core.formats.contour_file import describe_plane, read_contours
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.dicom import holds_dicom_series, holds_dicom_series_below
 from cpm_core.formats.images.ome_zarr import is_zarr
-from cpm_core.formats.sessions.session_file import SessionFile, adapt_reading, find_session_image, load_session
+from cpm_core.formats.sessions.session_file import (
+    SESSION_SUFFIX,
+    SessionFile,
+    adapt_reading,
+    find_session_image,
+    load_session,
+)
 from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import JsonDict, Texts
@@ -35,15 +42,17 @@ from cpm_core.shapes.outlines import start_from_surface, starts_from_centerlines
 
 
 def expand_paths(patterns: Sequence[str]) -> list[str]:
-    """Return the images that files, folders, patterns and addresses of fsspec name, of which a copy is made.
+    """Return the images that files, folders, patterns, addresses of fsspec and standard input (``-``) name.
 
     A folder stands for the images in it, in the order of the numbers in their names; one with the slices of a DICOM
     series stands for itself. ValueError for a folder or a pattern without images; files need not exist.
     """
     found: list[str] = []
     for text in patterns:
-        if is_address(text):
-            found.append(str(find_local_file(text)))
+        if text == STANDARD_STREAM:
+            found.append(str(find_local_file(sys.stdin.buffer)))
+        elif is_address(text):
+            found.append(text)
         elif Path(text).is_dir():
             found += _list_images_in_folder(Path(text))
         elif glob.has_magic(text) and not os.path.lexists(text):
@@ -57,14 +66,14 @@ def expand_paths(patterns: Sequence[str]) -> list[str]:
 
 
 def find_only_image(pattern: str) -> str:
-    """Return the image that a file, a folder or a pattern names; ValueError when it names several."""
+    """Return the path of the image that a pattern names, as for `expand_paths`; ValueError when it names several."""
     found = expand_paths([pattern])
     if len(found) > 1:
         raise ValueError(
             f"{quote_value(pattern)} names {len(found)} images, but only one can be used here: "
             "name it, or use cpm batch."
         )
-    return found[0]
+    return str(find_local_file(found[0]))
 
 
 def _list_images_in_folder(folder: Path) -> list[str]:
@@ -82,10 +91,17 @@ def _list_images_in_folder(folder: Path) -> list[str]:
 
 
 def load_named_session(arguments: argparse.Namespace) -> SessionFile:
-    """Load the given session, else return an empty one; ValueError when there is no image."""
+    """Load the session that is given, also in place of the image, else return an empty one.
+
+    ValueError when there is no image, or there are two sessions.
+    """
+    if arguments.image is not None and Path(arguments.image).suffix.lower() == SESSION_SUFFIX:
+        if arguments.session:
+            raise ValueError(f"{arguments.image} is a session, and --session names one as well: leave one of them out.")
+        arguments.session, arguments.image = arguments.image, None
     session = load_session(Path(arguments.session)) if arguments.session else SessionFile()
     if arguments.image is None and session.image is None:
-        raise ValueError("No IMAGE is given: name one, or with --session FILE a session that has one.")
+        raise ValueError("No IMAGE is given: name one, or a session that has one.")
     return session
 
 

@@ -7,11 +7,14 @@ Each object begins with ``command``, ``schema`` (the version of the schema) and 
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, redirect_stdout
+from contextvars import ContextVar
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from cpm_core.formats import export
@@ -40,15 +43,58 @@ _REDRAW_INTERVAL = 0.1
 """Shortest time between two changes of a line of progress [s]."""
 
 
+STANDARD_STREAM = "-"
+"""Name of standard input as an image, and first character of a name for standard output, before its suffix."""
+
+_QUIET = ContextVar("quiet", default=False)
+"""Whether only errors are printed."""
+
+
+@contextmanager
+def direct_output(exports: list[str], *, quiet: bool, as_json: bool) -> Iterator[None]:
+    """Print errors alone in the block if `quiet`, and copy the file named for standard output there after it.
+
+    A name such as ``-.csv`` among the `exports` is replaced by that of a temporary file. ValueError for several, and
+    for one with JSON.
+    """
+    named = [at for at, path in enumerate(exports) if os.path.splitext(path)[0] == STANDARD_STREAM]  # noqa: PTH122
+    if len(named) + (as_json and bool(named)) > 1:
+        raise ValueError("Standard output can take one file, without --json: write the others to files of their own.")
+    before = _QUIET.set(quiet)
+    with ExitStack() as stack:
+        if (quiet or named) and not as_json:
+            stack.enter_context(redirect_stdout(stack.enter_context(open(os.devnull, "w", encoding="utf-8"))))  # noqa: PTH123
+        folder = Path(stack.enter_context(TemporaryDirectory(prefix="cpm-"))) if named else Path()
+        for at in named:
+            exports[at] = str(folder / f"stdout{exports[at][1:]}")
+        try:
+            yield
+        finally:
+            _QUIET.reset(before)
+        written = sorted(folder.iterdir()) if named else []
+        if len(written) > 1:
+            raise ValueError("Standard output can take one file, but there are several: write them to files.")
+        contents = [path.read_bytes() for path in written]
+    for content in contents:
+        sys.stdout.flush()
+        sys.stdout.buffer.write(content)
+
+
 def print_message(message: str) -> None:
     """Print a message to standard error."""
     print(make_printable(f"cpm: {message}"), file=sys.stderr, flush=True)
 
 
+def print_note(note: str) -> None:
+    """Print what is no error to standard error."""
+    if not _QUIET.get():
+        print_message(note)
+
+
 def print_notes(source: str, notes: Iterable[str]) -> None:
     """Print notes on an image or another file to standard error."""
     for note in notes:
-        print_message(f"{source}: {note}")
+        print_note(f"{source}: {note}")
 
 
 class StatusLine:
@@ -66,7 +112,7 @@ class StatusLine:
 
     def show_text(self, text: str) -> None:
         """Show a text in place of the last one."""
-        if sys.stderr.isatty():
+        if sys.stderr.isatty() and not _QUIET.get():
             print(f"\r\x1b[2K{text}", end="", file=sys.stderr, flush=True)
 
     def show_state(self, state: State) -> None:
@@ -95,7 +141,7 @@ class StatusLine:
 def ensure_compiled() -> None:
     """Compile the kernels of a run in advance if necessary, and tell the user."""
     if not is_compiled():
-        print_message("the inner loops are compiled for this computer, once; the first run begins some seconds later.")
+        print_note("the inner loops are compiled for this computer, once; the first run begins some seconds later.")
         with StatusLine() as line:
             warm_up(on_progress=lambda done: line.show_text(f"compiling: {done:.0%}"), parts=FIRST)
 

@@ -6,8 +6,6 @@ import re
 import time
 from contextlib import suppress
 
-import numpy as np
-
 from cpm_core.cli.inputs import list_image_notes
 from cpm_core.cli.output import (
     EXIT_IN_PART,
@@ -25,6 +23,7 @@ from cpm_core.formats.common.provenance import describe_shapes
 from cpm_core.formats.stack_files import export_stack
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, JsonDict
+from cpm_core.objects.segmented import collect_points
 from cpm_core.pages.follow import follow_pages, limit_scales
 from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
@@ -57,8 +56,8 @@ def run_pages(request: RunRequest) -> int:
     def segment_page(image: Image) -> Result:
         return segment(image, compute_page_seeds(image), limit_scales(parameters, image.shape), **limits)
 
-    if request.positive_points:
-        positive, negative = np.array(request.positive_points), np.array(request.negative_points)
+    if request.clicked:
+        positive, negative = (collect_points(request.clicked[0], inside=inside) for inside in (True, False))
         runs = follow_objects(pages, segment_page, positive, negative, numbers)
     else:
         fresh = not request.follows_pages

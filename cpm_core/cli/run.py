@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.cli.arguments import (
-    EXPORT_FORMATS_HELP,
+    EXPORT_HELP,
     PART_OPTIONS,
     add_options,
     add_parameter_options,
@@ -41,7 +41,9 @@ from cpm_core.contours.surface_agreement import compare_surface
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
     CONTOURS_READABLE,
+    CONTOURS_WRITABLE,
     SURFACES_READABLE,
+    VOLUMES_WRITABLE,
     count_left_out,
     find_format_suffix,
     load_image,
@@ -56,6 +58,8 @@ from cpm_core.formats.sessions.session_run import segment_shapes
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects import Selection
+from cpm_core.objects.segmented import select_by_clicks
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.formatting import format_count, format_size
 from cpm_core.results import FoundObjects, replace_by_objects
 from cpm_core.results.result import Result
@@ -68,6 +72,9 @@ _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
 
 _OPEN_CONTOURS_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed, or write SVG, GeoJSON or CSV."
 """Advice where a format is written without the open contours, which it cannot hold."""
+
+_WRITABLE = tuple(dict.fromkeys((*CONTOURS_WRITABLE, *VOLUMES_WRITABLE)))
+"""Suffixes of the files that a run can write."""
 
 _MAX_PRINTED_OBJECTS = 10
 """Largest number of objects that are printed one by one."""
@@ -82,64 +89,82 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     part.add_argument(
         "--pages",
         metavar="all|N-M,...",
-        help="run each of these pages of a stack as an image of its own, in this order",
+        help="Run each of these pages of a stack as an image of its own, in this order.",
     )
     part.add_argument(
-        "--follow", action="store_true", help="start each page from the contours of the one before, not from the start"
+        "--follow", action="store_true", help="Start each page from the contours of the one before, not from the start."
     )
-    start = parser.add_argument_group("start (one at least, of a session or here; several add up)")
-    place = parser.add_argument_group("place (each may be repeated)")
-    named = parser.add_argument_group("object (each may be repeated)")
-    line = "ROW,COL,ROW,COL,..."
-    for group, flag, form, meaning in (
-        (start, "--circle", "ROW,COL,RADIUS", "a circle, in px"),
-        (start, "--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
-        (start, "--stroke", line, "a stroke from point to point"),
-        (start, "--points", "FILE.csv", "points: row,col on each line"),
-        (start, "--start", "FILE", f"the contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask); in a "
-         f"volume a surface, labels or center lines ({', '.join((*SURFACES_READABLE, *CENTERLINES_WRITABLE))})"),
-        (place, "--region", line, "corners of a polygon that particles stay in, in px; in a volume of a box"),
-        (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a point of a plane "
-         "and the direction across it"),
-        (named, "--object", "ROW,COL", "a point inside an object, in px; its boundary is closed, and written instead "
-         "of the contours (all points lie in one object; without a start, particles start everywhere); with --pages on "
-         "the first of them, and --follow finds it on the others"),
-        (named, "--not", "ROW,COL", "a point outside the object, in px"),
+    start = parser.add_argument_group("start", "One at least, here or of a session; several add up.")
+    for flag, form, meaning in (
+        ("--circle", "ROW,COL,RADIUS", "Start on a circle, in px."),
+        ("--polygon", "ROW,COL,...", "Start on a closed line through these corners."),
+        ("--stroke", "ROW,COL,...", "Start on a line from point to point."),
+        ("--points", "FILE.csv", "Start at points: row,col on each line."),
+        ("--sphere", "PLANE,ROW,COL,RADIUS", "Start on a sphere, in voxels. IMAGE is then a volume."),
+        ("--start", "FILE", f"Start at the contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask). In a "
+         f"volume at a surface, labels or center lines ({', '.join((*SURFACES_READABLE, *CENTERLINES_WRITABLE))})."),
     ):  # fmt: skip
-        group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
+        start.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
+    start.add_argument(
+        "--auto",
+        choices=SEEDING_KINDS,
+        help="Start everywhere (grid), on the strongest edges (gradient), or midway between edges (centers).",
+    )
+    start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL.")
+    add_options(start, "--xy")
+    place = parser.add_argument_group("limits and charges", "Each may be repeated.")
+    for flag, form, meaning in (
+        ("--region", "ROW,COL,...", "Keep particles inside a polygon, in px. In a volume give two corners of a box."),
+        ("--barrier", "ROW,COL,...", "Let no particle cross a line, in px. In a volume give a point of a plane and the "
+         "direction across it."),
+        ("--charge", "ROW,COL,STRENGTH", "Place a charge, which attracts particles above 0 and repels them below."),
+    ):  # fmt: skip
+        place.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
+    named = parser.add_argument_group("objects", "Written instead of contours; they begin everywhere by default.")
+    for flag, meaning in (
+        ("--object", "Select the object at a place, in px; its boundary is closed. Repeated, it adds to the object, as "
+         "clicks do in the window. With --pages it is on the first of them, and --follow finds it on the others."),
+        ("--not", "Leave this place out of the object."),
+    ):  # fmt: skip
+        named.add_argument(flag, metavar="ROW,COL", action=_ClickAction, default=[], help=meaning)
+    named.add_argument("--and", nargs=0, action=_ClickAction, default=[], help="Select another object from here on.")
     named.add_argument(
         "--objects",
         action="store_true",
-        help="the objects that the run proposes, as the window does: of a start everywhere all of the image, of drawn "
-        "ones the object of each; they are written instead of the contours (without a start, particles start "
-        "everywhere)",
+        help="Find the objects that the run proposes, as the window does. From everywhere these are all of the image, "
+        "else the one of each start.",
     )
-    start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
-    start.add_argument(
-        "--auto", choices=SEEDING_KINDS, help="everywhere, on the strongest edges, or midway between edges"
+    parameters = parser.add_argument_group(
+        "parameters", "Defaults are those of the publication; a preset, a session and a volume have their own."
     )
-    parameters = parser.add_argument_group("parameters")
-    add_options(parameters, "--preset", help="named settings (default: the publication's values, or the session's)")
+    add_options(parameters, "--preset", help=f"Take named settings: {', '.join(PRESETS)}.")
     parameters.add_argument(
         "--method",
         choices=tuple(find_seeded_methods()),
-        help="the program's own, or the model as published (default: that of the session, else cpm)",
+        help="The program's own method, or the model as published (default: that of the session, else cpm).",
     )
-    add_parameter_options(parameters)
-    where = parser.add_argument_group("where an image of OME-Zarr is run, which --auto does chunk by chunk")
+    add_parameter_options(parameters, defaults=(Parameters(),))
+    where = parser.add_argument_group("workers", "For an image of OME-Zarr, which --auto runs chunk by chunk.")
     add_options(where.add_mutually_exclusive_group(), "--workers", "--scheduler")
     outcome = parser.add_argument_group("outcome")
-    add_options(outcome, "--max-steps")
-    add_options(outcome, "--space")
-    add_options(outcome, "--export", help=f"write the contours {EXPORT_FORMATS_HELP}")
+    add_options(outcome, "--export", help=EXPORT_HELP.format(what="what is found", suffixes=", ".join(_WRITABLE)))
     outcome.add_argument(
-        "--truth", metavar="FILE", help="compare with a ground truth: a mask, contours, or a label volume"
+        "--truth", metavar="FILE", help="Compare with a ground truth: a mask, contours, or a label volume."
     )
     outcome.add_argument(
         "--save-session",
         metavar="FILE",
-        help=f"write a session ({SESSION_SUFFIX}) that the window opens with these contours",
+        help=f"Write a session ({SESSION_SUFFIX}) that the window opens with these contours.",
     )
+    add_options(outcome, "--max-steps", "--space")
+
+
+class _ClickAction(argparse.Action):
+    """Collect places in the order in which they are given: inside and outside an object, and where another begins."""
+
+    def __call__(self, _: object, namespace: argparse.Namespace, values: Any, __: str | None = None) -> None:
+        setattr(namespace, self.dest, [*getattr(namespace, self.dest), values])
+        namespace.clicks = [*getattr(namespace, "clicks", ()), (self.dest, values)]
 
 
 def run_segmentation(arguments: argparse.Namespace) -> int:
@@ -158,7 +183,7 @@ def _run_image(request: RunRequest) -> int:
     if not request.is_volume and request.part.get("page") is None and _is_plane_of_volume(request):
         print_message(f"{image.source}: --volume runs all of its planes.")
     truth = load_named_truth(request.truth_file, image)
-    for place in request.positive_points:
+    for place in (place for clicks in request.clicked for click in clicks if click.inside for place in click.places):
         if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
             at = ",".join(f"{number:g}" for number in place)
             raise ValueError(f"--object is {at} but lies outside the image, which has {format_size(image.shape)}.")
@@ -225,17 +250,18 @@ def _is_plane_of_volume(request: RunRequest) -> bool:
 
 
 def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:
-    """Select the objects of a run, or the one with the positive points; None where contours or a surface are wanted."""
+    """Select the objects of a run, or those of clicks; None where contours or a surface are wanted."""
     if request.all_objects:
         return result.objects
-    if not request.positive_points:
+    if not request.clicked:
         return None
-    chosen = partition(result).select(request.positive_points, request.negative_points)
-    if len(chosen.shape) == 3 and (chosen.prediction is not None or not chosen.has_boundary):
-        raise ValueError("There is no object at this position: name one that the surface encloses.")
-    if not chosen.has_boundary:
-        raise ValueError("There is no object at this position: name another one inside it.")
-    return (chosen,)
+    chosen = select_by_clicks(partition(result), request.clicked)
+    for one in chosen:
+        if len(one.shape) == 3 and (one.prediction is not None or not one.has_boundary):
+            raise ValueError("There is no object at this position: name one that the surface encloses.")
+        if not one.has_boundary:
+            raise ValueError("There is no object at this position: name another one inside it.")
+    return chosen
 
 
 def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[JsonDict, list[str]]:

@@ -43,9 +43,23 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject, Texts, frozen
+from cpm_core.objects.segmented import Click
+from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.evolve import DEFAULT_METHOD
-from cpm_core.shapes import Barrier, Circle, Everywhere, Points, PolygonRegion, SeedingKind, Shape, Sphere, Stroke
+from cpm_core.shapes import (
+    Barrier,
+    Charge,
+    Circle,
+    Everywhere,
+    Points,
+    Polygon,
+    PolygonRegion,
+    SeedingKind,
+    Shape,
+    Sphere,
+    Stroke,
+)
 from cpm_core.shapes.document_shapes import collect_regions, select_starts
 
 _OptionNumbers = Mapping[str, Sequence[tuple[float, ...]]]
@@ -89,8 +103,8 @@ class RunRequest:
         Where particles start automatically.
     volume_regions : VolumeRegions or None
         Limits in a volume, with those of the session; None where only the session has some.
-    positive_points, negative_points : sequence of tuple of float
-        Places inside and outside an object (row, col) or (plane, row, col) [px].
+    clicked : tuple of tuple of Click
+        Clicks of each object that is selected.
     all_objects : bool
         Whether all objects are found.
     pages : str or None
@@ -123,8 +137,7 @@ class RunRequest:
     default_starts: tuple[Shape, ...]
     seeding: SeedingKind | None
     volume_regions: VolumeRegions | None
-    positive_points: Sequence[tuple[float, ...]]
-    negative_points: Sequence[tuple[float, ...]]
+    clicked: tuple[Clicks, ...]
     all_objects: bool
     pages: str | None
     follows_pages: bool
@@ -162,8 +175,7 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
     is_volume = _names_volume(arguments, session)
     _check_options(arguments, session, is_volume)
     numbers = _parse_option_numbers(arguments, is_volume)
-    if numbers["not"] and not numbers["object"]:
-        raise ValueError("--not is given without --object: name a position inside the object as well.")
+    clicked = _parse_clicks(arguments, is_volume)
     if arguments.objects:
         refuse_options(arguments, ("object", "pages"), "one object, or a stack, but --objects finds those of a run")
     preset = arguments.preset or ("volume" if is_volume and not arguments.session else None)
@@ -192,8 +204,7 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
         default_starts=() if _has_start(arguments, session) else (Everywhere("grid"),),
         seeding=arguments.auto,
         volume_regions=_build_volume_regions(numbers, session) if is_volume else None,
-        positive_points=numbers["object"],
-        negative_points=numbers["not"],
+        clicked=clicked,
         all_objects=arguments.objects,
         pages=arguments.pages,
         follows_pages=arguments.follow,
@@ -241,29 +252,47 @@ def _parse_option_numbers(arguments: argparse.Namespace, is_volume: bool) -> _Op
         "sphere" if is_volume else "circle": f"{place},RADIUS",
         "stroke": f"{place},...",
         **dict.fromkeys(("region", "barrier"), f"{place},{place if is_volume else '...'}"),
-        **dict.fromkeys(("object", "not"), place),
+        "charge": f"{place},STRENGTH",
+        "polygon": f"{place},...",
     }
+    return {
+        name: [parse_number_list(f"--{name}", text, form, is_xy=arguments.xy) for text in getattr(arguments, name)]
+        for name, form in forms.items()
+    }
+
+
+def _parse_clicks(arguments: argparse.Namespace, is_volume: bool) -> tuple[Clicks, ...]:
+    """Parse the places inside and outside of objects, in their order."""
     deep = [name for name in ("object", "not") for text in getattr(arguments, name) if text.count(",") == 2]
     if deep and not is_volume:
         raise ValueError(f"--{deep[0]} has a plane, a row and a column: add --volume, or give ROW,COL in an image.")
-    return {
-        name: [parse_number_list(f"--{name}", text, form) for text in getattr(arguments, name)]
-        for name, form in forms.items()
-    }
+    axes, form = (3, "PLANE,ROW,COL,...") if is_volume else (2, "ROW,COL,...")
+    objects: list[Clicks] = [()]
+    for name, text in getattr(arguments, "clicks", ()):
+        if name == "and":
+            objects.append(())
+        else:
+            numbers = parse_number_list(f"--{name}", text, form, is_xy=arguments.xy)
+            objects[-1] += (Click(group_coordinates(numbers, axes), name == "object"),)
+    if not all(any(click.inside for click in clicks) for clicks in objects) and objects != [()]:
+        raise ValueError("--not or --and is given without --object: name a place inside the object as well.")
+    return tuple(filter(None, objects))
 
 
 def _build_drawn_shapes(arguments: argparse.Namespace, numbers: _OptionNumbers, is_volume: bool) -> tuple[Shape, ...]:
     """Build the shapes of the command line; in a volume limits are no shapes, see `_build_volume_regions`."""
     axes = 3 if is_volume else 2
     shapes: list[Shape] = [Stroke(group_coordinates(line, axes)) for line in numbers["stroke"]]
+    shapes += [Charge(tuple(place), strength) for *place, strength in numbers["charge"]]
     shapes += [Points(as_line(load_points(path, axes))) for path in arguments.points]
     everywhere = [Everywhere(arguments.auto)] if arguments.auto else []
     if is_volume:
         return (*(Sphere(tuple(center), radius) for *center, radius in numbers["sphere"]), *shapes, *everywhere)
     circles = (Circle((row, col), radius) for row, col, radius in numbers["circle"])
+    polygons = (Polygon(group_coordinates(line, 2)) for line in numbers["polygon"])
     regions = (PolygonRegion(group_coordinates(line, 2)) for line in numbers["region"])
     barriers = (Barrier(group_coordinates(line, 2)) for line in numbers["barrier"])
-    return (*circles, *shapes, *regions, *barriers, *everywhere)
+    return (*circles, *polygons, *shapes, *regions, *barriers, *everywhere)
 
 
 def _build_volume_regions(numbers: _OptionNumbers, session: SessionFile) -> VolumeRegions | None:
@@ -280,23 +309,22 @@ def _build_volume_regions(numbers: _OptionNumbers, session: SessionFile) -> Volu
 
 def _has_start(arguments: argparse.Namespace, session: SessionFile) -> bool:
     """Tell whether the arguments or the session have a start."""
-    given = [*arguments.circle, *arguments.sphere, *arguments.stroke, *arguments.points, *arguments.start]
-    return bool(given or arguments.auto or select_starts(session.shapes))
+    names = ("circle", "polygon", "sphere", "stroke", "points", "start")
+    return bool(any(getattr(arguments, name) for name in names) or arguments.auto or select_starts(session.shapes))
 
 
 def _check_options(arguments: argparse.Namespace, session: SessionFile, is_volume: bool) -> None:
     """Raise ValueError for options that have no meaning for this run."""
     if is_volume:
-        refuse_options(arguments, ("circle", "pages", "save_session"), "images, but a volume is run")
+        refuse_options(arguments, ("circle", "polygon", "pages", "save_session"), "images, but a volume is run")
     else:
         refuse_options(arguments, ("space",), "volumes, but an image is run")
     if not (arguments.objects or arguments.object or _has_start(arguments, session)):
         if session.mode == "skeleton":
             raise ValueError("The session is for a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
         raise ValueError(
-            "No start is given: add --circle ROW,COL,RADIUS (in a volume --sphere PLANE,ROW,COL,RADIUS), "
-            "--stroke ROW,COL,ROW,COL,..., --points FILE.csv, --start FILE or --auto grid, or name a position inside "
-            "an object, --object ROW,COL."
+            "No start is given: add --circle ROW,COL,RADIUS (in a volume --sphere PLANE,ROW,COL,RADIUS) or --auto "
+            "grid, name a place inside an object, --object ROW,COL, or see cpm run --help all for other starts."
         )
     if arguments.save_session is not None:
         if Path(arguments.save_session).suffix.lower() != SESSION_SUFFIX:
@@ -320,7 +348,7 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
     """Raise ValueError for what does not work on the pages of a stack."""
     if arguments.object and not arguments.follow:
         raise ValueError("--object is on the first of the pages: add --follow, which finds the object on the others.")
-    refuse_options(arguments, ("page", "truth", "save_session", "method"), "one image, but --pages runs several")
+    refuse_options(arguments, ("and", "page", "truth", "save_session", "method"), "one image, but --pages runs several")
     for target in arguments.export:
         check_target(target, STACKS_WRITABLE, "for all pages of a stack")
     check_targets(arguments.export, arguments, path)
@@ -328,10 +356,9 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
 
 def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Parameters, is_volume: bool) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
-    drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
-    refuse_options(
-        arguments, (*drawn, "sphere", "space", "save_session", "method"), "an image that is run in one piece"
-    )
+    drawn = ("circle", "polygon", "stroke", "points", "sphere", "start", "region", "barrier", "charge", "object", "not")
+    other = ("session", "pages", "truth", "space", "save_session", "method")
+    refuse_options(arguments, (*drawn, *other), "an image that is run in one piece")
     if arguments.auto not in CHUNKED_START_KINDS:
         raise ValueError(
             f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(CHUNKED_START_KINDS)}."

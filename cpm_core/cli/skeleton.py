@@ -6,7 +6,7 @@ import argparse
 import time
 
 from cpm_core.cli.arguments import (
-    EXPORT_FORMATS_HELP,
+    EXPORT_HELP,
     PART_OPTIONS,
     add_options,
     add_parameter_options,
@@ -16,7 +16,7 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.inputs import fit_parameters
 from cpm_core.cli.output import OutputFiles, describe_contour_count, ensure_compiled, list_longest, print_report
-from cpm_core.formats import CENTERLINES_WRITABLE, find_format_suffix, load_image, load_volume
+from cpm_core.formats import CENTERLINES_WRITABLE, CONTOURS_WRITABLE, find_format_suffix, load_image, load_volume
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_image_provenance, describe_provenance
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -45,22 +45,25 @@ _POLARITIES = ("auto", "dark", "light")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_options(parser, "image")
-    parser.add_argument("--volume", action="store_true", help="IMAGE is a volume, as with --export LINES.swc")
+    parser.add_argument("--volume", action="store_true", help="IMAGE is a volume, as with --export LINES.swc.")
     parser.add_argument(
         "--of",
         choices=_POLARITIES,
         default=_POLARITIES[0],
-        help="of what is darker, or lighter, than its surroundings (default: of what stands out in the image)",
+        help="Find skeletons of what is darker or lighter than its surroundings (default: of what stands out).",
     )
     parser.add_argument(
-        "--within", metavar="MASK", help="the skeleton of the objects of this mask, an image of the same size"
+        "--within", metavar="MASK", help="Find the skeletons of the objects of this mask, an image of the same size."
     )
-    parser.add_argument("--outside", action="store_true", help="the skeleton of the background, too")
+    parser.add_argument("--outside", action="store_true", help="Find the skeleton of the background, too.")
     add_options(parser.add_argument_group("part of a file"), *PART_OPTIONS)
-    add_parameter_options(parser.add_argument_group("parameters"), _PARAMETER_OPTIONS)
+    add_parameter_options(
+        parser.add_argument_group("parameters"), _PARAMETER_OPTIONS, (PRESETS["noisy"], PRESETS["volume"])
+    )
     outcome = parser.add_argument_group("outcome")
+    suffixes = ", ".join((*CONTOURS_WRITABLE, *CENTERLINES_WRITABLE))
+    add_options(outcome, "--export", help=EXPORT_HELP.format(what="the lines", suffixes=suffixes))
     add_options(outcome, "--space")
-    add_options(outcome, "--export", help=f"write the skeleton {EXPORT_FORMATS_HELP}")
 
 
 def run_skeleton(arguments: argparse.Namespace) -> int:

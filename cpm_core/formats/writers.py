@@ -41,7 +41,7 @@ from cpm_core.image.surface import Surface
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, Texts, copy_with, frozen
-from cpm_core.parameters.formatting import format_count, quote_value
+from cpm_core.parameters.formatting import format_choice, format_count, quote_value
 from cpm_core.results.result import Result
 
 _LOG = logging.getLogger(__name__)
@@ -412,7 +412,7 @@ def to_bytes(
     file_format = next((one for one in FILE_FORMATS if isinstance(suffix, str) and one.suffix == suffix), None)
     if file_format is None:
         raise ValueError(
-            f"{quote_value(suffix)} names no format that can be written: choose one of {', '.join(_FORMAT_SUFFIXES)}."
+            f"{quote_value(suffix)} names no format that can be written: choose {format_choice(suffix, _FORMAT_SUFFIXES)}"
         )
     found = as_result(result, image if isinstance(image, Image) else None)
     _check_extent(result, image, suffix)

@@ -30,7 +30,7 @@ from cpm_core.methods.regions import (
 from cpm_core.methods.snakes import GVF_SNAKE, SNAKE
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import frozen, record
-from cpm_core.parameters.formatting import format_count, format_repr, quote_value
+from cpm_core.parameters.formatting import format_choice, format_count, format_repr, quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
 from cpm_core.segmentation.method import RUN_METHODS, Method, register_run_method
@@ -140,7 +140,7 @@ def iterate_method(
     if isinstance(method, str):
         method = CONTOUR_METHODS.get(method, method)
     if not isinstance(method, ContourMethod):
-        raise ValueError(f"method is {quote_value(method)} but must be one of {', '.join(CONTOUR_METHODS)}.")
+        raise ValueError(f"method is {quote_value(method)} but must be {format_choice(str(method), CONTOUR_METHODS)}")
     if not isinstance(start, Start):
         raise ValueError(f"the start is {quote_value(start)} but must be a Start: Start((outline,)).")
     settings = method.defaults if settings is None else settings

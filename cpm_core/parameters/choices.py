@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from cpm_core.parameters.formatting import quote_value
+from cpm_core.parameters.formatting import quote_value, suggest_name
 
 Invalidates = Literal["nothing", "contours", "field", "run"]
 Edges = Literal["gradient", "vessels"]
@@ -80,4 +80,5 @@ def check_choice(info: ChoiceInfo, value: object) -> None:
     """Raise a `ValueError` that names field, value and choices unless `value` is one of them."""
     if not isinstance(value, str) or value not in info.choices:
         names = " or ".join(f'"{name}"' for name in info.choices)
-        raise ValueError(f"{info.name} is {quote_value(value)} but must be {names}.")
+        near = suggest_name(str(value), info.choices)
+        raise ValueError(f"{info.name} is {quote_value(value)} but must be {names}{f': {near}' if near else '.'}")

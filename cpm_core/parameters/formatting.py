@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 
 _MAX_QUOTED_LENGTH = 40
 """Characters of a value quoted in a sentence."""
@@ -20,6 +21,27 @@ def quote_value(value: object) -> str:
     else:
         text = " ".join(repr(value).split())
     return text if len(text) <= _MAX_QUOTED_LENGTH else f"{text[: _MAX_QUOTED_LENGTH - 4]}…"
+
+
+def suggest_name(given: str, known: Iterable[str]) -> str:
+    """Ask whether a known name close to a mistyped one is meant; empty if none is close.
+
+    >>> suggest_name("shpae", ["automatic", "shape"])
+    'did you mean shape?'
+    """
+    near = get_close_matches(given.lower(), tuple(known), n=1)
+    return f"did you mean {near[0]}?" if near else ""
+
+
+def format_choice(given: str, known: Iterable[str]) -> str:
+    """Format what a name must be, and which one may be meant.
+
+    >>> format_choice("grdi", ["grid", "centers"])
+    'one of grid, centers: did you mean grid?'
+    """
+    names = tuple(known)
+    near = suggest_name(given, names)
+    return f"one of {', '.join(names)}" + (f": {near}" if near else ".")
 
 
 def format_repr(kind: str, *facts: str) -> str:

@@ -15,7 +15,7 @@ from typing import Literal, cast
 import numpy as np
 
 from cpm_core.parameters.choices import CHOICE_PARAMETERS, Accuracy, Channel, Edges, check_choice
-from cpm_core.parameters.formatting import format_call, quote_value
+from cpm_core.parameters.formatting import format_call, format_choice, quote_value
 from cpm_core.parameters.table import (
     AUTOMATIC_PARAMETERS,
     PARAMETERS,
@@ -231,4 +231,6 @@ def choose_parameters(given: Parameters | str | None, default: Parameters) -> Pa
         return given or default
     if isinstance(given, str) and given in PRESETS:
         return PRESETS[given]
-    raise ValueError(f"parameters is {quote_value(given)} but must be Parameters, or one of {', '.join(PRESETS)}.")
+    raise ValueError(
+        f"parameters is {quote_value(given)} but must be Parameters, or {format_choice(str(given), PRESETS)}"
+    )

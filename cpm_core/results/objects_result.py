@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from cpm_core.image.surface import Label
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Sides
 from cpm_core.objects.outline import OBJECT_SMOOTHING
-from cpm_core.objects.segmented import SegmentedObjects, class_label, object_label
+from cpm_core.objects.segmented import SegmentedObjects, class_label, object_label, selection_from_object
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import require_image
 from cpm_core.parameters.formatting import quote_value
@@ -97,10 +97,10 @@ def _build_image_result(selections: Sequence[Selection], labels: Sequence[Label]
     nothing = boundaries_result(
         image.shape, image.source, image.spacing, image.unit, image=image, channel=taken, provenance=made
     )
-    return replace(join_objects(nothing, selections, labels), bridges=tuple(_measure_gaps(gaps, image, channel)))
+    return replace(_join_objects(nothing, selections, labels), bridges=tuple(_measure_gaps(gaps, image, channel)))
 
 
-def join_objects(nothing: Result, selections: Sequence[Selection], labels: Sequence[Label]) -> Result:
+def _join_objects(nothing: Result, selections: Sequence[Selection], labels: Sequence[Label]) -> Result:
     """Add objects, each with its label, to a result that has none.
 
     The contours of an object have its number as their group, and holes are marked, so that a label mask has one label
@@ -125,6 +125,23 @@ def join_objects(nothing: Result, selections: Sequence[Selection], labels: Seque
         surface = replace(joined, labels=tuple(to for to, _ in bodies))
     bridges = tuple(Bridge(gap, polyline.path_length(gap), 0.0) for one in selections for gap in one.gaps)
     return replace(nothing, contours=tuple(contours), bridges=bridges, surface=surface)
+
+
+def add_segmented_objects(
+    nothing: Result, objects: SegmentedObjects, only: Container[int] | None = None
+) -> Result | None:
+    """Add the objects of a session, or those with some numbers, to a result without any, with class, name and color.
+
+    Hidden objects are left out; None when no other remains.
+    """
+    shown = [item for item in objects.items if not item.hidden and (only is None or item.number in only)]
+    labels = []
+    for item in shown:
+        class_name = objects.classes[item.category - 1].name
+        title = object_label(item.number, item.name, class_name)
+        labels.append(Label(item.number, title, objects.color_of(item), class_label(item.category, class_name)))
+    selections = [selection_from_object(item, nothing.shape) for item in shown]
+    return _join_objects(nothing, selections, labels) if shown else None
 
 
 def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bridge]:

@@ -19,7 +19,7 @@ from cpm_core.model.state import State
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array, record
 from cpm_core.parameters import Parameters, choose_parameters
-from cpm_core.parameters.formatting import format_count, format_repr, quote_value
+from cpm_core.parameters.formatting import format_choice, format_count, format_repr, quote_value
 from cpm_core.results.result import Result
 from cpm_core.segmentation.method import RUN_METHODS, Method
 
@@ -189,7 +189,8 @@ class Evolution(Iterator[RunState]):
     def update(self, **values: float | str) -> None:
         """Change parameters by name from the next step on, and keep all others; ValueError as for `Parameters`."""
         if unknown := sorted(values.keys() - {field.name for field in fields(Parameters)}):
-            raise ValueError(f"{unknown[0]} is no parameter: choose among {', '.join(self._method.parameters)}.")
+            choice = format_choice(unknown[0], self._method.parameters)
+            raise ValueError(f"{unknown[0]} is no parameter: choose {choice}")
         self.parameters = replace(self._parameters, **values)  # type: ignore[arg-type]
 
     @property
@@ -276,7 +277,7 @@ def _choose_method(given: str | Callable[..., Method[Any]]) -> Callable[..., Met
     seeded = find_seeded_methods()
     found = seeded.get(given) if isinstance(given, str) else given
     if not callable(found):
-        raise ValueError(f"method is {quote_value(given)} but must be one of {', '.join(seeded)}, or a class.")
+        raise ValueError(f"method is {quote_value(given)} but must be a class, or {format_choice(str(given), seeded)}")
     return found
 
 

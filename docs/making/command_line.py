@@ -1,4 +1,4 @@
-"""What every command says to ``--help``."""
+"""What every command says to ``--help all``."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def text() -> str:
 
 
 def help_of(*command: str) -> str:
-    """Return what a command prints for ``--help``."""
+    """Return what a command prints for ``--help all``."""
     stream = io.StringIO()
     before = os.environ.get("COLUMNS")
     os.environ["COLUMNS"] = _WIDTH
     try:
         with contextlib.redirect_stdout(stream), contextlib.suppress(SystemExit):
-            cli.main([*command, "--help"])
+            cli.main([*command, "--help", "all"])
     finally:
         if before is None:
             del os.environ["COLUMNS"]

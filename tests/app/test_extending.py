@@ -243,5 +243,5 @@ def test_a_parameter_is_known_in_every_place_that_names_parameters(name, capsys)
     assert name in {field.name for field in fields(Parameters)}
     assert name in PARAMETER_FORMULAS or name == "w1"  # of which the window sets the ratio to w2
     with pytest.raises(SystemExit):
-        main(["run", "--help"])
+        main(["run", "--help", "all"])
     assert f"--{name.replace('_', '-')}" in capsys.readouterr().out

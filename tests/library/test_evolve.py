@@ -57,7 +57,7 @@ def test_an_update_changes_what_it_names_and_nothing_else(image):
     assert run.parameters == dataclasses.replace(cpm.PRESETS["shape"], beta=0.2, w1=1.5)
     assert next(run).parameters.beta == 0.2
     for wrong, says in (
-        ({"betta": 1.0}, "betta is no parameter: choose among reach"),
+        ({"betta": 1.0}, "betta is no parameter: choose one of reach"),
         ({"beta": -1.0}, "beta is -1 but must be"),
         ({"scales": 2}, "scales is 2 but must stay 3"),
     ):

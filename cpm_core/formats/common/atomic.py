@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from cpm_core.formats.common.content import AnyPath, format_location
-from cpm_core.parameters.formatting import quote_value
+from cpm_core.parameters.formatting import format_choice, quote_value
 
 _DRAFT_PREFIX = ".cpm-"
 """Prefix of the names of drafts."""
@@ -116,7 +116,8 @@ def check_target(path: AnyPath, known: Iterable[str], purpose: str = "that can b
     file = Path(path)
     if not find_suffix(file, known) and not file.is_dir():
         named = f"ends in {quote_value(file.suffix)}" if file.suffix and file.suffix not in known else "has no suffix"
-        raise ValueError(f"{file.name} {named}, which names no format {purpose}: choose one of {', '.join(known)}.")
+        choice = format_choice(file.suffix, known)
+        raise ValueError(f"{file.name} {named}, which names no format {purpose}: choose {choice}")
     check_writable(file)
 
 

@@ -66,8 +66,8 @@ class MissingFileError(FileNotFoundError, ValueError):
 
 
 def is_address(source: AnyPath) -> TypeGuard[str]:
-    """Return whether a text is an address of fsspec rather than a path."""
-    return isinstance(source, str) and ("://" in source or "::" in source)
+    """Return whether a text is an address of fsspec rather than a path; a file that exists is none."""
+    return isinstance(source, str) and ("://" in source or "::" in source) and not os.path.lexists(source)
 
 
 def find_local_file(source: AnySource) -> Path:
@@ -83,7 +83,7 @@ def find_local_file(source: AnySource) -> Path:
     folder = Path(tempfile.mkdtemp(prefix="cpm-"))  # one for each copy, as files of other folders may have its name
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     if not isinstance(source, str):
-        copy = folder / Path(str(getattr(source, "name", "file"))).name
+        copy = folder / Path(str(getattr(source, "name", "file")).strip("<>")).name
         copy.write_bytes(source.read())
         return copy
     try:

@@ -9,6 +9,10 @@ from cpm_core.objects.segmented.by_hand import redraw_boundary as redraw_boundar
 from cpm_core.objects.segmented.by_hand import round_line as round_line
 from cpm_core.objects.segmented.by_hand import split_object as split_object
 from cpm_core.objects.segmented.by_hand import split_object_along as split_object_along
+from cpm_core.objects.segmented.clicks import find_most_similar as find_most_similar
+from cpm_core.objects.segmented.clicks import keep_separate as keep_separate
+from cpm_core.objects.segmented.clicks import select_by_clicks as select_by_clicks
+from cpm_core.objects.segmented.clicks import unite_regions as unite_regions
 from cpm_core.objects.segmented.in_volumes import fill_between_slices as fill_between_slices
 from cpm_core.objects.segmented.in_volumes import paint_voxels as paint_voxels
 from cpm_core.objects.segmented.in_volumes import split_painted_object as split_painted_object

@@ -83,7 +83,7 @@ def test_a_shell_is_told_what_may_follow(tmp_path):
 def test_a_mistyped_word_opens_no_window(monkeypatch, capsys):
     monkeypatch.setattr(program, "_open_window", lambda path: pytest.fail("a window was opened"))
     assert program.main(["rnu", "x"]) == 2
-    assert "is no command and no file" in capsys.readouterr().err
+    assert "“rnu” is no command and no file: did you mean run?" in capsys.readouterr().err
 
 
 def outcomes(command, folder, tmp_path):
@@ -105,7 +105,8 @@ def outcomes(command, folder, tmp_path):
     yield "info", ("info", image)
     yield "bench", ("bench", "--quick")
     yield "export", ("export", session, "--to", tmp_path / "a.svg")
-    yield "batch", ("batch", image, "--session", session, "--output", tmp_path / "out", "--workers", 1)
+    batch = ("batch", image, "--session", session, "--output", tmp_path / "out", "--workers", 1)
+    yield from (("batch", (*batch, "--dry-run")), ("batch", batch))
 
 
 def test_the_json_of_each_command_has_the_documented_form(command, folder, tmp_path):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from cpm_core.cli.inputs import expand_paths
+import cpm_core as cpm
+from cpm_core.cli.inputs import expand_paths, find_only_image
 from tests.core.formats.images.made import write_series
 
 
@@ -31,12 +32,14 @@ def test_a_folder_with_a_series_below_stands_for_itself_unless_it_has_images(fol
         expand_paths([str(disc)])
 
 
-def test_an_address_stands_for_a_copy_of_its_file(folder):
+def test_an_address_is_kept_as_the_name_of_its_file_unless_a_file_is_named_like_it(folder, monkeypatch):
     fsspec = pytest.importorskip("fsspec")
     with fsspec.open("memory://plate/b.npy", "wb") as stream:
         stream.write((folder / "a2.npy").read_bytes())
-    (copy,) = expand_paths(["memory://plate/b.npy"])
-    assert copy.endswith("b.npy")
-    assert np.array_equal(np.load(copy), np.eye(12))
+    assert expand_paths(["memory://plate/b.npy"]) == ["memory://plate/b.npy"]
+    assert np.array_equal(np.load(find_only_image("memory://plate/b.npy")), np.eye(12))
     with pytest.raises(ValueError, match=r"memory://none\.npy cannot be read"):
-        expand_paths(["memory://none.npy"])
+        find_only_image("memory://none.npy")
+    monkeypatch.chdir(folder)
+    (folder / "a2.npy").rename("a::2.npy")
+    assert cpm.load_image("a::2.npy").shape == (12, 12)

@@ -16,7 +16,6 @@ from cpm_core import Result, Selection, Surface, containment
 from cpm_core.contours import select_bridges_on
 from cpm_core.contours.contour import Contours
 from cpm_core.image.region import Region
-from cpm_core.image.surface import Label
 from cpm_core.numerics import Array, Place, Position, polyline, simplify_path
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Extent, Integers, Line
@@ -26,17 +25,14 @@ from cpm_core.objects.segmented import (
     ObjectClass,
     SegmentedObject,
     SegmentedObjects,
-    class_label,
     lies_on,
-    object_label,
     paint_voxels,
     round_line,
-    selection_from_object,
     unite_objects,
 )
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.parameters import Provenance
-from cpm_core.results import boundaries_result, join_objects
+from cpm_core.results import add_segmented_objects, boundaries_result
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, PolygonRegion, Stroke
 
 _SURFACE_BLOCK_SIDE = 2.0
@@ -307,25 +303,12 @@ def build_objects_result(document: Document, only: Container[int] | None = None)
     Hidden objects are left out; None when no other remains. The image itself is not needed, so this can be called at
     any time.
     """
-    objects, image = document.objects, document.image
-    shown = [item for item in objects.items if not item.hidden and (only is None or item.number in only)]
-    if image is None or not shown:
+    image = document.image
+    if image is None:
         return None
     made = Provenance("objects", sha256=image.sha256)
     nothing = boundaries_result(image.shape, image.name, image.spacing, image.unit, provenance=made)
-    labels = [
-        Label(item.number, _object_label(objects, item), objects.color_of(item), _class_label(objects, item))
-        for item in shown
-    ]
-    return join_objects(nothing, [selection_from_object(item, image.shape) for item in shown], labels)
-
-
-def _object_label(objects: SegmentedObjects, item: SegmentedObject) -> str:
-    return object_label(item.number, item.name, objects.classes[item.category - 1].name)
-
-
-def _class_label(objects: SegmentedObjects, item: SegmentedObject) -> str:
-    return class_label(item.category, objects.classes[item.category - 1].name)
+    return add_segmented_objects(nothing, document.objects, only)
 
 
 # Texts

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from functools import cached_property
 from itertools import chain
@@ -35,9 +35,17 @@ from cpm_core import (
 from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Extent, JsonDict, Mask, frozen
+from cpm_core.numerics.types import JsonDict, Mask, frozen
 from cpm_core.objects import partition_without_run
-from cpm_core.objects.segmented import Click, SegmentedObject, collect_points, selection_from_object
+from cpm_core.objects.segmented import (
+    Click,
+    SegmentedObject,
+    collect_points,
+    find_most_similar,
+    keep_separate,
+    selection_from_object,
+    unite_regions,
+)
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.results import find_objects
 from cpm_core.segmentation.select import EVERYWHERE_PARAMETERS
@@ -265,7 +273,7 @@ class Selector:
         self.made_of = partition, items, found, rejected, overlaps
         """All that it depends on besides the object being changed."""
         self.items, self._offered, self._rejected = items, found, rejected
-        self._limits = [item for item in items if item.number != edited and (item.frozen or not overlaps)]
+        self._limits = [item.region for item in items if item.number != edited and (item.frozen or not overlaps)]
         self._known: dict[Clicks, Selection | None] = {}
         self._stepped: tuple[Clicks, tuple[Sequence[Selection], int]] | None = None
         """The clicks whose candidates were requested last, and the candidates, which take long in a volume."""
@@ -312,22 +320,15 @@ class Selector:
         return {"outside": outside, "previous": previous, "excluded": self._find_excluded(clicks)}
 
     def _find_excluded(self, clicks: Clicks) -> Mask | None:
-        """Find the pixels that the object of clicks must leave to other objects; None without any.
-
-        An object that a positive click lies in, for the most part, is none of these: the click is for what it holds, or
-        for what holds it.
-        """
-        within = [np.array(click.places) for click in clicks if click.inside]
-        apart = [
-            item for item in self._limits if not any(item.region.encloses(places).mean() > 0.5 for places in within)
-        ]
+        """Find the pixels that the object of clicks must leave to other objects; None without any."""
+        apart = keep_separate(clicks, self._limits)
         if len(apart) < len(self._limits):
-            return _unite_masks(apart, self.partition.shape)
+            return unite_regions(apart, self.partition.shape)
         return self._taken if apart else None
 
     @cached_property
     def _taken(self) -> Mask:
-        return _unite_masks(self._limits, self.partition.shape)
+        return unite_regions(self._limits, self.partition.shape)
 
     @cached_property
     def _found(self) -> tuple[Proposal, ...]:
@@ -351,8 +352,7 @@ class Selector:
         clicks = (*clicks[:-1], replace(clicks[-1], step=0))
         if self._stepped is None or self._stepped[0] != clicks:
             found = self.partition.find_candidates(collect_points(clicks, inside=True), **self._other_arguments(clicks))
-            alike = [_measure_similarity(each, cast("Selection", self.selection_for(clicks))) for each in found]
-            self._stepped = clicks, (found, int(np.argmax(alike)))
+            self._stepped = clicks, (found, find_most_similar(found, cast("Selection", self.selection_for(clicks))))
         return self._stepped[1]
 
     def step_clicks(self, clicks: Clicks, by: int) -> tuple[Clicks, int, int]:
@@ -407,22 +407,7 @@ def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject])
     return left
 
 
-def _unite_masks(items: Iterable[SegmentedObject], shape: Extent) -> Mask:
-    """Unite the pixels of objects of an image of this shape."""
-    united = np.zeros(shape, bool)
-    for item in items:
-        item.region.fill_into(united)
-    return united
-
-
 def _sample_pixels(selection: Selection) -> Array:
     """Sample pixels of an object, spread over all of it, shape (N, 2) [px]."""
     pixels = np.argwhere(selection.region.mask) + selection.region.origin
     return np.asarray(pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)], float)
-
-
-def _measure_similarity(one: Selection, other: Selection) -> float:
-    """Measure the similarity of two selections: their overlap, or in a volume the negative difference of volumes."""
-    if len(one.shape) == 2:
-        return one.region.compute_iou(other.region)
-    return -abs(one.size - other.size)

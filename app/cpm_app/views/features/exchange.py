@@ -25,6 +25,7 @@ from cpm_app.session.features.import_contours import (
     read_pasted,
     save_pasted_picture,
 )
+from cpm_app.session.features.session_code import CodeLanguage, write_session_code
 from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY
 from cpm_app.session.tasks.opening import list_images
 from cpm_app.session.tasks.tasks import ENDED_TASK
@@ -148,6 +149,12 @@ class ClipboardFeature(Feature):
             ActionSpec("copy_view", "Edit", "Copy &view as image",
                        "Copy the visible part of the image with its overlays to the clipboard.", self.copy_view,
                        "Ctrl+Shift+P", when=has_image),
+            ActionSpec("copy_python", "Edit", "Copy as Pyt&hon",
+                       "Copy a script that finds the objects of this session.",
+                       partial(self._copy_code, "python"), when=_can_repeat),
+            ActionSpec("copy_command", "Edit", "Copy as co&mmand",
+                       "Copy a command line that finds the objects of this session.",
+                       partial(self._copy_code, "command"), when=_can_repeat),
         )  # fmt: skip
 
     def copy_selection(self) -> None:
@@ -167,6 +174,15 @@ class ClipboardFeature(Feature):
         QApplication.clipboard().setImage(self.canvas.grab().toImage())
         self.session.messages.show(tr("The view was copied."), category=EXPORTING_CATEGORY)
 
+    def _copy_code(self, language: CodeLanguage) -> None:
+        file = self.window.document_file
+        saved = file.path if file.saved_document == self.session.document else None
+        write_session_code(self.session, language, saved, self._put_code_on_clipboard)
+
+    def _put_code_on_clipboard(self, text: str) -> None:
+        QApplication.clipboard().setText(text)
+        self.session.messages.show(tr("Copied: paste it into a file or a terminal."), category=EXPORTING_CATEGORY)
+
     def _put_on_clipboard(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
         for kind, content in zip(_CLIPBOARD_MIME_TYPES, contents, strict=True):
@@ -174,6 +190,11 @@ class ClipboardFeature(Feature):
         data.setText(contents[-1].decode())  # most programs read only text: the table
         QApplication.clipboard().setMimeData(data)
         self.session.messages.show(tr("Copied as a drawing and a table."), category=EXPORTING_CATEGORY)
+
+
+def _can_repeat(situation: Situation) -> bool:
+    """Tell whether a session can be repeated by a script: not one for skeletons, which have no objects."""
+    return has_image(situation) and situation.document.mode != "skeleton"
 
 
 VOLUME_ONLY_SUFFIXES = frozenset((*SURFACES_READABLE, *CENTERLINES_WRITABLE))

@@ -1,0 +1,132 @@
+"""The present session as a script or a command, which find the same objects; checked by doing what they will do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.modes import needs_start
+from cpm_app.model.document.objects import object_from_selection
+from cpm_app.model.document.saving import to_session_file
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.selector import parameters_everywhere
+from cpm_app.session.scene import Proposal
+from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EXPORTING_CATEGORY
+from cpm_app.session.tasks.tasks import BackgroundTask
+from cpm_core import Image, Selection, partition, run
+from cpm_core.formats import SessionFile
+from cpm_core.formats.sessions.session_code import (
+    SessionCode,
+    write_saved_objects_command,
+    write_saved_objects_script,
+)
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, select_by_clicks
+from cpm_core.results import FoundObjects
+from cpm_core.shapes import Barrier, Everywhere, PolygonRegion, select_starts
+
+CodeLanguage = Literal["python", "command"]
+"""What a session is written as."""
+
+
+def write_session_code(
+    session: Session, language: CodeLanguage, saved: Path | None, on_written: Callable[[str], object]
+) -> None:
+    """Write the present session as a script or a command, which is passed on, or explain why it cannot be written.
+
+    Objects of the session are found again, on a thread, so that what is written gives the same ones. Where it would
+    not, as for objects that were drawn by hand, it takes those of the `saved` session, if there is one.
+    """
+    document, image, offered = session.document, session.image, session.scene.objects.proposals
+    session.messages.clear(EXPORTING_CATEGORY)
+    if image is None:
+        return
+    if not (document.starts or document.objects.items or document.objects.clicks):
+        session.messages.show(document.nothing_to_start_from, True, EXPORTING_CATEGORY)
+        return
+
+    def write(task: BackgroundTask) -> str:
+        code = _find_code(document, image, offered, "" if saved is None else str(saved), task)
+        if code is not None:
+            text = code.write_script() if language == "python" else code.write_command()
+            if text or not document.objects.items:
+                return text
+        if saved is None or not document.objects.items:
+            return ""
+        if language == "command":
+            return write_saved_objects_command(str(saved))
+        return write_saved_objects_script(to_session_file(document, {}), str(saved))
+
+    def pass_on(text: str) -> None:
+        if text:
+            on_written(text)
+        else:
+            message = tr("Save the session first: only its file holds all that was drawn.")
+            session.messages.show(message, True, EXPORTING_CATEGORY)
+
+    session.tasks.start_task(tr("Repeating the session…"), write, tr("repeating the session"), on_result=pass_on)
+
+
+def _find_code(
+    document: Document, image: Image, offered: Sequence[Proposal], saved: str, task: BackgroundTask
+) -> SessionCode | None:
+    """Find the run and the clicks that give the objects of a document; None if none that is tried gives them."""
+    objects = document.objects
+    items = [item for item in objects.items if item.number != objects.edited]
+    shown = next((each for each in offered if each.clicks == objects.clicks), None)
+    if shown is not None and shown.selection.has_boundary:  # the object that is being selected
+        items.append(shown.proposed_object)
+    for session, file, of_run in _list_runs(document, saved):
+        if not items:
+            return SessionCode(session, file=file)
+        code = _match_objects(session, image, items, of_run, task)
+        if code is not None:
+            return replace(code, file=file)
+    return None
+
+
+def _list_runs(document: Document, saved: str) -> Iterator[tuple[SessionFile, str, bool]]:
+    """List the runs that objects may come from: that of the session, in a file, and that of clicks without a run.
+
+    The last value tells them apart.
+    """
+    session = replace(to_session_file(document, {}), objects=SegmentedObjects())
+    if document.starts and needs_start(document.mode):
+        yield session, saved, True
+    if document.has_volume:
+        yield replace(session, shapes=()), "", False
+    else:
+        limits = (shape for shape in document.shapes if isinstance(shape, PolygonRegion | Barrier))
+        shapes = (*limits, Everywhere("grid"))
+        yield replace(session, shapes=shapes, parameters=parameters_everywhere(document), mode=""), "", False
+
+
+def _match_objects(
+    session: SessionFile, image: Image, items: Sequence[SegmentedObject], of_run: bool, task: BackgroundTask
+) -> SessionCode | None:
+    """Match objects with what a run proposes, and with what their clicks select; None unless all are found again."""
+    proposed: FoundObjects = ()
+    if select_starts(session.shapes):
+        result = run(image, session, progress=lambda _: task.check_cancelled())
+        proposed, source = result.objects if of_run else (), partition(result)
+    else:
+        source = partition(image)
+    places = [next((at for at, one in enumerate(proposed) if _is_same(one, item)), None) for item in items]
+    picked = tuple(at for at in places if at is not None)
+    if len(picked) == len(items):
+        return SessionCode(session, None if sorted(picked) == list(range(len(proposed))) else picked)
+    for own, clicked in (((), items), (picked, [item for item, at in zip(items, places, strict=True) if at is None])):
+        clicks = tuple(item.clicks for item in clicked)
+        if all(clicks):
+            found = select_by_clicks(source, clicks, [proposed[at] for at in own])
+            if all(map(_is_same, found, clicked)):
+                return SessionCode(session, own or None, clicks)
+    return None
+
+
+def _is_same(selection: Selection, item: SegmentedObject) -> bool:
+    """Tell whether accepting a selection would give an object."""
+    return selection.has_boundary and object_from_selection(selection, (), 1, 1).region == item.region

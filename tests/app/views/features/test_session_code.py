@@ -1,0 +1,118 @@
+"""A session as a script and as a command: run, they give the objects of the window to the bit."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication
+
+import cpm_core as cpm
+from cpm_core import cli
+from cpm_core.shapes import PolygonRegion
+
+pytestmark = pytest.mark.shared_window
+
+KEY, SHIFT, NONE = Qt.Key, Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.NoModifier
+
+
+def disk(row: float, col: float, radius: float) -> np.ndarray:
+    return np.hypot(*(np.indices((64, 64)) - np.array((row, col))[:, None, None])) < radius
+
+
+@pytest.fixture
+def image_file(tmp_path):
+    """A picture of three disks, the last one faint."""
+    path = tmp_path / "three disks.png"
+    values = np.where(disk(18, 18, 9), 140, np.where(disk(42, 42, 12), 220, np.where(disk(16, 48, 8), 60, 40)))
+    PIL.Image.fromarray(values.astype(np.uint8)).save(path)
+    return path
+
+
+def click(hand, row: float, col: float, modifier: Qt.KeyboardModifier = NONE) -> None:
+    selection = hand.window.workspace.object_selection
+    for act in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
+        act(hand.canvas.viewport(), Qt.MouseButton.LeftButton, modifier, hand.at(row, col))
+    hand.wait(lambda: selection.idle and selection.answered)
+
+
+def copied(hand, action: str) -> str:
+    """What an action of the menu Edit puts on the clipboard; empty where it asks to save the session first."""
+    clipboard, messages = QApplication.clipboard(), hand.window.canvas_area.messages
+    clipboard.clear()
+    hand.window.actions_by_name[action].trigger()
+    hand.wait(lambda: bool(clipboard.text()) or "Save the session first" in messages.text)
+    return clipboard.text()
+
+
+def check_both(hand, tmp_path: Path, shown) -> None:
+    """Run the script and the command, and compare what they find with what the window shows."""
+    found: dict[str, object] = {}
+    exec(copied(hand, "copy_python"), found)
+    objects = found["objects"]
+    assert len(objects) == len(shown) > 0
+    for one, other in zip(objects, shown, strict=True):
+        np.testing.assert_array_equal(one.mask, other.mask)
+        assert one.region == other.region
+    words = shlex.split(copied(hand, "copy_command"))
+    masks, lines = tmp_path / "masks.tif", [tmp_path / "command.csv", tmp_path / "window.csv"]
+    assert cli.main([*words[1 : words.index("--export")], "--export", str(masks), str(lines[0])]) == 0
+    labels = np.asarray(PIL.Image.open(masks))
+    for number, one in enumerate(shown, start=1):
+        np.testing.assert_array_equal(labels == number, one.mask)
+    cpm.export(shown, lines[1], image=hand.window.session.image)
+    assert [contour.points.tolist() for contour in cpm.load_contours(lines[0])] == [
+        contour.points.tolist() for contour in cpm.load_contours(lines[1])
+    ]
+
+
+def test_a_run_with_its_start_limits_and_sliders_is_repeated(ready, hand, tmp_path) -> None:
+    slow = replace(ready.session.document.parameters, beta=0.6, time_step=0.25)
+    limit = PolygonRegion(((1.5, 1.5), (1.5, 62.5), (62.5, 62.5), (62.5, 1.5)))
+    ready.session.edit("limit", lambda document: replace(document, shapes=(*document.shapes, limit), parameters=slow))
+    selection = ready.workspace.object_selection
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and bool(selection.proposals))
+    check_both(hand, tmp_path, tuple(each.selection for each in selection.proposals))
+
+
+def test_clicks_and_corrections_are_repeated_in_their_order(window, hand, tmp_path) -> None:
+    selection = window.workspace.object_selection
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    hand.wait(lambda: selection.ready and selection.idle)
+    shown = []
+    for places in (((42, 42),), ((18, 18), (18, 24), (30, 30)), ((16, 48),)):
+        for number, place in enumerate(places):
+            click(hand, *place, SHIFT if number == 2 else NONE)
+        shown.append(selection.proposals[0].selection)
+        if len(shown) < 3:
+            hand.key(KEY.Key_Return)
+            hand.wait(lambda: selection.idle and len(window.session.document.objects.items) == len(shown))
+    check_both(hand, tmp_path, tuple(shown))
+
+
+def test_what_was_drawn_by_hand_is_taken_from_the_saved_session(window, hand, tmp_path) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_J)
+    hand.press(30, 20)
+    hand.move(30, 30)
+    hand.release(30, 30)
+    hand.wait(lambda: bool(window.session.document.objects.items))
+    assert copied(hand, "copy_python") == ""
+    file = tmp_path / "hand.cpm"
+    assert window.document_file.save_and_wait(file)
+    (item,) = window.session.document.objects.items
+    found: dict[str, object] = {}
+    exec(copied(hand, "copy_python"), found)
+    assert found["objects"][0].region == item.region
+    words = shlex.split(copied(hand, "copy_command"))
+    masks = tmp_path / "masks.tif"
+    assert cli.main([*words[1 : words.index("--to")], "--to", str(masks)]) == 0
+    np.testing.assert_array_equal(np.asarray(PIL.Image.open(masks)) == 1, item.region.paste((64, 64)))
