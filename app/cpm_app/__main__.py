@@ -39,9 +39,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status; 2 when the window cannot be opened or the arguments are invalid.
     """
-    # Before NumPy is loaded: the matrix products of the network are small, and waiting threads of OpenBLAS would take
-    # the processors from the particles.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         first = arguments[0] if arguments else ""
