@@ -190,7 +190,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         print_message(f"interrupted; {interrupt}." if str(interrupt) else "interrupted.")
         return EXIT_INTERRUPTED
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise Python reports an error at exit
-        return EXIT_BROKEN_PIPE
+    except OSError as error:
+        if error.filename is None:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # otherwise Python reports an error at exit
+        if isinstance(error, BrokenPipeError):
+            return EXIT_BROKEN_PIPE
+        print_message(f"{error.filename or 'the standard output'}: {error.strerror}.")
+        return EXIT_BAD_INPUT
     return status

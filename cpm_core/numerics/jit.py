@@ -62,7 +62,9 @@ class _LazyKernel:
 
     @cached_property
     def _called(self) -> Any:
-        return _numba().njit(cache=True, **self._options)(self.__wrapped__)
+        from cpm_core.numerics.loop_cache import keep_compiled
+
+        return keep_compiled(_numba().njit(**self._options)(self.__wrapped__))
 
     @cached_property
     def _part(self) -> Any:

@@ -1,10 +1,14 @@
 """Bad input of every command is one line on standard error with exit status 2, and nothing is written."""
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import PIL.Image
 import pytest
 import tifffile
 
+from cpm_core import cli
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle, Sphere
 
@@ -97,3 +101,11 @@ def test_bad_input_is_one_line_on_standard_error_and_nothing_is_written(folder, 
     assert err.count("\n") == 1
     assert words in err
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device here")
+def test_a_full_standard_output_ends_in_one_line(monkeypatch, capsys):
+    with Path("/dev/full").open("w") as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        assert cli.main(["completion", "bash"]) == 2
+    assert capsys.readouterr().err == "cpm: the standard output: No space left on device.\n"
