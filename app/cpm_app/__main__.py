@@ -20,8 +20,8 @@ _QT_PACKAGES = frozenset({"PySide6", "shiboken6", "pyqtgraph"})
 """Packages that only the window needs."""
 
 _MISSING_QT_ERROR = (
-    'The window needs Qt, which is not installed: run pip install "cpm-particles[gui]", or work without a window by '
-    "“cpm run IMAGE …”."
+    "The window needs Qt, which is not installed: run pip install '.[gui]' in the folder of the README, or work "
+    "without a window by “cpm run IMAGE …”."
 )
 
 
