@@ -13,7 +13,7 @@ from numba.core.caching import FunctionCache
 _LOG = logging.getLogger(__name__)
 
 
-class LoopCache(FunctionCache):  # type: ignore[misc]
+class LoopCache(FunctionCache):
     """Numba's cache, which compiles again what it cannot read and goes on without what it cannot write."""
 
     def load_overload(self, *which: Any) -> Any:
