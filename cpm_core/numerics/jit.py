@@ -14,11 +14,14 @@ not fit, which takes three seconds. Assign the elements one by one.
 from __future__ import annotations
 
 import gc
+import logging
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
 from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+_LOG = logging.getLogger(__name__)
 
 _NUMBA_OPTIONS: dict[str, Any] = {
     "nogil": True,
@@ -38,6 +41,7 @@ def _numba() -> Any:
 
     class Pause(event.Listener):
         def on_start(self, event: Any) -> None:
+            _announce()
             was_enabled.append(gc.isenabled())
             gc.disable()
 
@@ -47,6 +51,11 @@ def _numba() -> Any:
 
     event.register("numba:compile", Pause())
     return numba
+
+
+@cache
+def _announce() -> None:
+    _LOG.info("Inner loops are compiled for this computer, once, which takes some ten seconds.")
 
 
 class _LazyKernel:

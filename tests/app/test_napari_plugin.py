@@ -50,7 +50,7 @@ def test_the_manifest_has_a_menu_and_samples_that_open():
     names = {command.id: command.python_name for command in told.commands}
     for sample in told.sample_data:
         module, _, name = names[sample.command].partition(":")
-        ((values, settings, kind),) = getattr(importlib.import_module(module), name)()
+        ((values, _, kind),) = getattr(importlib.import_module(module), name)()
         assert kind == "image"
         assert (values.ndim == 3) == ("3D" in sample.display_name)
     assert files.sample_disks()[0][1] == {"name": "disks"}

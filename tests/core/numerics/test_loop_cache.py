@@ -5,7 +5,7 @@ import importlib.util
 import pytest
 from numba.core.caching import CompileResultCacheImpl
 
-from cpm_core.numerics import loop_cache
+from cpm_core.numerics import jit, loop_cache
 
 TWO_LOOPS = """
 from cpm_core.numerics import compiled
@@ -74,3 +74,10 @@ def test_where_no_folder_can_be_written_loops_are_compiled_at_each_start(start_a
     assert [start_anew(), start_anew()] == [0, 0]
     assert len(caplog.records) == 1
     assert "NUMBA_CACHE_DIR" in caplog.records[0].message
+
+
+def test_that_loops_are_compiled_is_logged_once(start_anew, caplog):
+    jit._announce.cache_clear()
+    with caplog.at_level("INFO", "cpm_core"):
+        start_anew()
+    assert [record.levelname for record in caplog.records] == ["INFO"]
