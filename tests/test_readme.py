@@ -14,15 +14,15 @@ from cpm_core.parameters import PRESETS
 ROOT = Path(__file__).parent.parent
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
-PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in (ROOT / "docs").glob("*.md")}
-BLOCKS = [
-    (kind, block)
-    for page in (TEXT, *PAGES.values())
-    for kind, block in re.findall(r"^```(\w+)\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
-]
-COMMANDS = [line for kind, block in BLOCKS if kind == "sh" for line in block.splitlines()]
-RUNS = sorted({line for line in COMMANDS if line.startswith("cpm ")})
-EXAMPLES = [block for kind, block in BLOCKS if kind == "python" and "rings.svg" in block]
+PAGES = {
+    path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8")
+    for path in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
+}
+SNIPPETS = {
+    name: re.findall(r"^```([^\n]*)\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL) for name, page in PAGES.items()
+}
+QUICK = ("README.md", "docs/start.md", "docs/library.md", "docs/volumes.md")
+"""Pages whose snippets take no longer than a few seconds."""
 
 
 @pytest.fixture
@@ -61,38 +61,41 @@ def test_presets_and_formats_are_named():
     assert all(f"`{suffix}`" in FORMATS for suffix in IMAGES_READABLE)
 
 
-@pytest.mark.parametrize("line", RUNS)
-def test_commands_of_the_tour_work_as_they_stand(compiled_loops, place, capsys, line):
-    assert cli.main(shlex.split(line)[1:]) == 0
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(name, marks=() if name in QUICK else pytest.mark.long)
+        for name, snippets in SNIPPETS.items()
+        if any(kind == "python" or (kind == "sh" and "cpm " in block) for kind, block in snippets)
+    ],
+)
+def test_snippets_run_one_after_the_other_on_files_that_ship_or_that_they_make(compiled_loops, place, capsys, page):
+    for kind, block in SNIPPETS[page]:
+        if kind == "python":
+            exec(compile(block, page, "exec"), {})
+        for line in block.splitlines() if kind == "sh" else ():
+            if line.startswith("cpm "):
+                assert cli.main(shlex.split(line)[1:]) == 0, line
+                written = re.search(r" --(?:export|to) ((?:(?!--)\S+ ?)+)", line)
+                for name in written[1].split() if written else ():
+                    assert "." not in name or list(place.glob(f"{name.partition('.')[0]}*")), line
     output = capsys.readouterr()
-    assert output.out
+    assert output.out or not any(kind == "sh" for kind, _ in SNIPPETS[page])
     assert output.err == ""
-    for name in re.findall(r"\b\w+\.(?:svg|csv)\b", line):
-        assert (place / name).stat().st_size > 0
 
 
-@pytest.mark.parametrize("example", EXAMPLES)
-def test_the_library_examples_work_as_they_stand(place, capsys, example):
-    exec(compile(example, "example", "exec"), {})
-    output = capsys.readouterr().out
-    assert output.count("closed: True") == 5
-    assert "at rest" in output or "Engine" not in example
-    assert (place / "rings.svg").exists()
-
-
-def test_the_tour_has_commands_and_an_example():
-    assert len(RUNS) >= 3
-    assert len(EXAMPLES) == 2
+def test_no_command_hides_in_a_snippet_of_no_kind():
+    assert not [block for snippets in SNIPPETS.values() for kind, block in snippets if not kind and "cpm " in block]
 
 
 def test_pictures_and_files_that_it_points_to_are_there():
-    for page, text in {"README.md": TEXT, **PAGES}.items():
+    for page, text in PAGES.items():
         for target in re.findall(r"\]\((?!http|#)([^)#]+)[^)]*\)", text):
             assert (ROOT / page).parent.joinpath(target).is_file(), (page, target)
 
 
 def test_each_command_stands_on_one_line_and_the_continuous_check_runs_those_that_check():
-    assert "python3 -m venv .venv && .venv/bin/pip install '.[gui]' && .venv/bin/cpm" in COMMANDS
+    assert "python3 -m venv .venv && .venv/bin/pip install '.[gui]' && .venv/bin/cpm" in TEXT.splitlines()
     script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     patterns = re.findall(r"grep -m 1 '(.*)' README.md", script)
     assert [[line for line in TEXT.splitlines() if re.search(pattern, line)] for pattern in patterns] == [

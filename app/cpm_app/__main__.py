@@ -20,8 +20,8 @@ _QT_PACKAGES = frozenset({"PySide6", "shiboken6", "pyqtgraph"})
 """Packages that only the window needs."""
 
 _MISSING_QT_ERROR = (
-    'The window needs Qt, which is not installed: run pip install "cpm-particles[gui]", or work without a window by '
-    "“cpm run IMAGE …”."
+    "The window needs Qt, which is not installed: run pip install '.[gui]' in the folder of the README, or work "
+    "without a window by “cpm run IMAGE …”."
 )
 
 
@@ -39,9 +39,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status; 2 when the window cannot be opened or the arguments are invalid.
     """
-    # Before NumPy is loaded: the matrix products of the network are small, and waiting threads of OpenBLAS would take
-    # the processors from the particles.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         first = arguments[0] if arguments else ""

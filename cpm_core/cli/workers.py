@@ -22,10 +22,11 @@ from cpm_core.cli.inputs import fit_scales_to_image, list_image_notes
 from cpm_core.cli.output import collect_run_facts
 from cpm_core.formats import encode_files
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.formats.common.content import missing_package_message, try_fingerprint
+from cpm_core.formats.common.content import try_fingerprint
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.formats.sessions.session_run import load_session_image, run
+from cpm_core.numerics.packages import MissingPackageError
 from cpm_core.numerics.parallel import count_cores, limit_cores
 from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.parameters import Parameters
@@ -245,7 +246,7 @@ def connect_to_dask(address: str | None, workers: int | None = None) -> Iterator
         import dask
         from distributed import Client, LocalCluster
     except ImportError:
-        raise ValueError(missing_package_message("A run by workers", "distributed", "cpm-particles[scale]")) from None
+        raise MissingPackageError("A run by workers", "distributed") from None
     with ExitStack() as stack:
         # the profiler samples every 10 ms, which takes a tenth of a worker's time and of another worker's core
         stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))

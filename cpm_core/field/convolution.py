@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cpm_core.numerics.grids import Window, expand_window, relative_window, run_in_bands, window_shape
-from cpm_core.numerics.parallel import count_cores
+from cpm_core.numerics.parallel import count_cores, limit_blas
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.types import Array, Index, Integers, Numbers, Single, record
 
@@ -173,6 +173,7 @@ class WindowedField:
     charges: Array
     exponent: float | None
 
+    @limit_blas()
     def field_in_window(self, window: Window) -> Single:
         r"""Compute the field in a window, shape (2, h, w)."""
         outer = expand_window(window, _NEAR_CHARGE_RANGE, self.charges.shape)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import io
 import math
 from collections.abc import Callable, Iterable, Iterator
@@ -14,8 +13,9 @@ import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
 from cpm_core.formats.common.atomic import check_target, draft_files, write_together
-from cpm_core.formats.common.content import AnyPath, missing_package_message
+from cpm_core.formats.common.content import AnyPath
 from cpm_core.numerics.memory import available_memory
+from cpm_core.numerics.packages import require_package
 from cpm_core.numerics.types import Extent, Pixels
 
 ANIMATIONS_WRITABLE: dict[str, str] = {
@@ -122,10 +122,8 @@ def check_animation(path: AnyPath) -> None:
 
 def check_encoder(suffix: str) -> None:
     """Raise ValueError, saying what to install, when a format has no encoder."""
-    if suffix == ".mp4" and importlib.util.find_spec("imageio_ffmpeg") is None:
-        raise ValueError(
-            missing_package_message("An .mp4 file, unlike .gif and APNG (.png),", "imageio-ffmpeg", "imageio-ffmpeg")
-        )
+    if suffix == ".mp4":
+        require_package("imageio_ffmpeg", "An .mp4 file, unlike .gif and APNG (.png),")
 
 
 def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:

@@ -5,7 +5,6 @@ from cpm_core.image.colors import compute_luminance as compute_luminance
 from cpm_core.image.drawing import KNOWN_UNITS as KNOWN_UNITS
 from cpm_core.image.drawing import ScaleBar as ScaleBar
 from cpm_core.image.drawing import fit_scale_bar as fit_scale_bar
-from cpm_core.image.drawing import has_matplotlib as has_matplotlib
 from cpm_core.image.geometry import CONVENTIONS as CONVENTIONS
 from cpm_core.image.geometry import Convention as Convention
 from cpm_core.image.image import MINIMUM_SIDE as MINIMUM_SIDE

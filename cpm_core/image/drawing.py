@@ -5,11 +5,11 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Sequence
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from cpm_core.numerics.packages import has_package, require_package
 from cpm_core.numerics.types import Array, Extent, Pixels, frozen
 from cpm_core.parameters.formatting import quote_value
 
@@ -81,11 +81,6 @@ def curve_color(curve: DrawableCurve) -> str:
     return curve.color or (CLOSED_CURVE_COLOR if curve.closed else OPEN_CURVE_COLOR)
 
 
-def has_matplotlib() -> bool:
-    """Return whether matplotlib is installed."""
-    return find_spec("matplotlib") is not None
-
-
 def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
     """Return the given axes, or those of a new figure; with `space` they have three dimensions."""
     if ax is not None:
@@ -93,6 +88,7 @@ def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
             wanted = 'axes of matplotlib in space (projection="3d")' if space else "axes of matplotlib"
             raise ValueError(f"ax is {quote_value(ax)} but must be {wanted}, or None for a new figure.")
         return ax
+    require_package("matplotlib", "A figure")
     from matplotlib import pyplot
 
     return pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
@@ -174,6 +170,7 @@ def show_scale_bar(ax: Axes, shape: Extent, spacing: Sequence[float], unit: str 
 
 def new_figure(shape: Extent | None, spacing: Sequence[float] = (1.0, 1.0)) -> tuple[Figure, Axes]:
     """Create a figure that one image fills, with its axes; for None with axes in space."""
+    require_package("matplotlib", "A figure")
     from matplotlib.figure import Figure
 
     if shape is None:
@@ -246,7 +243,9 @@ class Pictured:
         """Draw the object."""
         raise NotImplementedError
 
-    def _repr_png_(self) -> bytes:
+    def _repr_png_(self) -> bytes | None:
+        if not has_package("matplotlib"):
+            return None  # the notebook shows the line
         from matplotlib import pyplot
 
         figure = pyplot.figure(dpi=_NOTEBOOK_DPI)

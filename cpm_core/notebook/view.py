@@ -6,7 +6,6 @@ import io
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.surface import slice_surface
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image
+from cpm_core.numerics.packages import has_package
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects.partition import Partition, partition_without_run
 from cpm_core.objects.selection import Selection
@@ -178,7 +178,7 @@ class NotebookView(drawing.Pictured):
         return format_repr("NotebookView", self.partition.image.source, format_count(len(self.objects), "object"))
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
-        return self._widget._repr_mimebundle_(**options) if find_spec("anywidget") else {}
+        return self._widget._repr_mimebundle_(**options) if has_package("anywidget") else {}
 
     @cached_property
     def _widget(self) -> Any:

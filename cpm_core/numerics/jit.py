@@ -14,11 +14,14 @@ not fit, which takes three seconds. Assign the elements one by one.
 from __future__ import annotations
 
 import gc
+import logging
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
 from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+_LOG = logging.getLogger(__name__)
 
 _NUMBA_OPTIONS: dict[str, Any] = {
     "nogil": True,
@@ -38,6 +41,7 @@ def _numba() -> Any:
 
     class Pause(event.Listener):
         def on_start(self, event: Any) -> None:
+            _announce()
             was_enabled.append(gc.isenabled())
             gc.disable()
 
@@ -47,6 +51,11 @@ def _numba() -> Any:
 
     event.register("numba:compile", Pause())
     return numba
+
+
+@cache
+def _announce() -> None:
+    _LOG.info("Inner loops are compiled for this computer, once, which takes some ten seconds.")
 
 
 class _LazyKernel:
@@ -62,7 +71,9 @@ class _LazyKernel:
 
     @cached_property
     def _called(self) -> Any:
-        return _numba().njit(cache=True, **self._options)(self.__wrapped__)
+        from cpm_core.numerics.loop_cache import keep_compiled
+
+        return keep_compiled(_numba().njit(**self._options)(self.__wrapped__))
 
     @cached_property
     def _part(self) -> Any:

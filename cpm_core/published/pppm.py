@@ -21,6 +21,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
+from cpm_core.numerics.parallel import limit_blas
 from cpm_core.numerics.types import Array
 
 R_C = 20.0
@@ -124,6 +125,7 @@ def _diffuse(q: Array) -> Array:
     return q
 
 
+@limit_blas()
 def _potential_on_faces(q: Array) -> Array:
     """Return the potential on the faces of the mesh, from charges gathered into lumps; zero inside."""
     gathered = [_hat_weights(np.arange(n) / _LUMP_CELLS, (n - 1) // _LUMP_CELLS + 1) for n in q.shape]

@@ -92,6 +92,7 @@ labels, contours = viewer.layers["image labels"], viewer.layers["image contours"
 np.testing.assert_allclose(np.bincount(labels.data.ravel())[1:], np.pi * 15**2, rtol=0.03)
 assert labels.data[30, 30] == 1
 assert labels.data[30, 70] == 2
+assert labels.features["index"].tolist() == [1, 2]
 assert contours.shape_type == ["polygon"] * 2
 for layer in (labels, contours):
     np.testing.assert_allclose(layer.data_to_world((30, 30)), (22.0, 18.0))
@@ -104,6 +105,7 @@ inside.data = [(22.0, 38.0)]
 find(FIND_OBJECTS, points=inside, outside=outside, objects=labels)
 assert labels.data[30, 30] == 0
 assert labels.data[30, 70] == 2
+assert labels.features.empty
 labels.selected_label = 7
 assert "No pixel has the label 7" in find(FIND_OBJECTS, points=inside, objects=labels)
 

@@ -19,7 +19,7 @@ from tests.packages.places import ROOT
 
 LINUX = ROOT / "release" / "linux"
 RECIPE = (ROOT / "release" / "conda" / "recipe.yaml").read_text("utf-8")
-CONDA = {"matplotlib": "matplotlib-base", "PySide6-Essentials": "pyside6"}
+CONDA = {"PySide6-Essentials": "pyside6"}
 NAMESPACE = {"m": "http://www.freedesktop.org/standards/shared-mime-info"}
 
 

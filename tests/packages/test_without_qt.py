@@ -1,4 +1,4 @@
-"""The library and the command line need no Qt: ``pip install cpm-particles`` brings none."""
+"""The library and the command line need no Qt: ``pip install .`` brings none."""
 
 import subprocess
 import sys
@@ -57,8 +57,8 @@ def test_a_window_without_qt_says_what_to_install(arguments) -> None:
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr == (
-        'cpm: The window needs Qt, which is not installed: run pip install "cpm-particles[gui]", or work without a '
-        "window by “cpm run IMAGE …”.\n"
+        "cpm: The window needs Qt, which is not installed: run pip install '.[gui]' in the folder of the README, or "
+        "work without a window by “cpm run IMAGE …”.\n"
     )
 
 

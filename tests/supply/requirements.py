@@ -23,7 +23,7 @@ _CHOICE = re.compile(r"\bOR\b|;")
 def requirements() -> list[Requirement]:
     """All requirements of the program at run time, with those of its optional parts but the plugin for napari."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    parts = (project["optional-dependencies"][part] for part in ("gui", "scale", "all"))
+    parts = (project["optional-dependencies"][part] for part in ("gui", "formats", "scale", "all"))
     named = map(Requirement, (*project["dependencies"], *chain.from_iterable(parts)))
     return [required for required in named if required.name != project["name"]]
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
 
@@ -26,8 +25,9 @@ from cpm_core.formats import (
     choose_file_name,
     count_left_out,
 )
-from cpm_core.image import Convention, has_matplotlib
+from cpm_core.image import Convention
 from cpm_core.numerics import polyline
+from cpm_core.numerics.packages import has_package
 from cpm_core.numerics.types import frozen
 
 ExportKind = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
@@ -105,9 +105,9 @@ def list_export_formats(
     writable = VOLUMES_WRITABLE if in_volume and kind == "objects" else _FORMATS_BY_KIND.get(kind, CONTOURS_WRITABLE)
     names = {"space": writable, "run": _ANIMATION_NAMES, "turntable": _ANIMATION_NAMES}.get(kind, _FORMAT_NAMES)
     lacking = {*_ALIAS_SUFFIXES, *_OMITTED_SUFFIXES.get(kind, "").split()}
-    if getattr(sys, "frozen", False) and not has_matplotlib():
+    if getattr(sys, "frozen", False) and not has_package("matplotlib"):
         lacking |= FIGURE_SUFFIXES
-    if not of_dicom or find_spec("highdicom") is None:
+    if not of_dicom or not has_package("highdicom"):
         lacking.add(".seg.dcm")
     known = {suffix: name for suffix, name in names.items() if suffix in writable}
     known |= {suffix: translate_core_text(text) for suffix, text in writable.items() if suffix not in known}

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cpm_app.napari.layers import LayerData, build_contour_layer, contours_from_layer
-from cpm_core import Result, Surface, export
+from cpm_core import Result, Surface, example, export
 from cpm_core.formats import CONTOURS_READABLE, read_contours
 from cpm_core.numerics.types import JsonObject
 from cpm_core.results import boundaries_result
@@ -38,6 +38,20 @@ def _read_layers(path: str | Sequence[str]) -> list[LayerData]:
 
 def _list_paths(path: str | Sequence[str]) -> list[Path]:
     return [Path(path)] if isinstance(path, str) else [Path(one) for one in path]
+
+
+def sample_disks() -> list[LayerData]:
+    """Draw an image of two disks."""
+    return _draw_sample("disks")
+
+
+def sample_ball() -> list[LayerData]:
+    """Draw a volume with a ball."""
+    return _draw_sample("ball")
+
+
+def _draw_sample(name: str) -> list[LayerData]:
+    return [(example(name).values, {"name": name}, "image")]
 
 
 def write_shapes(path: str, data: Any, settings: JsonObject) -> list[str]:

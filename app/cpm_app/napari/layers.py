@@ -49,8 +49,15 @@ def build_contour_layer(contours: Sequence[Contour], name: str, shape: Sequence[
 
 
 def build_result_layers(result: Result, name: str, **settings: Any) -> list[LayerData]:
-    """Build layers of labels and of contours, or in a volume the surface; `settings` place them like their image."""
-    layers: list[LayerData] = [(result.labels.copy(), {"name": f"{name} labels", **settings}, "labels")]
+    """Build layers of labels with their measures and of contours, or in a volume the surface.
+
+    The `settings` place them like their image.
+    """
+    measures = dict(result.table())
+    features = {"index": measures.pop("label"), **measures}
+    layers: list[LayerData] = [
+        (result.labels.copy(), {"name": f"{name} labels", "features": features, **settings}, "labels")
+    ]
     if result.surface is not None:
         look = {"name": f"{name} surface", **settings}
         return [*layers, ((result.surface.vertices, result.surface.faces), look, "surface")]

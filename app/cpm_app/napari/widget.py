@@ -165,7 +165,8 @@ class FindWidget(Container):  # type: ignore[misc]
         elif labels is not None and len(inside) + len(outside):
             name, number = chosen.name, chosen.selected_label
             corrected = finding.correct_label(image, labels, number, inside, outside)
-            return corrected, lambda found: [(found, {"name": name}, "labels")]
+            without_measures = {"name": name, "features": {}}  # those of the object before are no longer true
+            return corrected, lambda found: [(found, without_measures, "labels")]
         elif labels is not None or not len(inside) + len(drawn):
             raise ValueError("Add a layer of points and click into the objects, or draw boxes around them as shapes.")
         else:
@@ -204,6 +205,7 @@ class FindWidget(Container):  # type: ignore[misc]
             known = self._viewer.layers[settings["name"]]
             if kind != "shapes":
                 known.data = data
+                known.features = settings.get("features", known.features)
                 return
             self._viewer.layers.remove(known)
         self._viewer.add_layer(Layer.create(data, settings, kind))

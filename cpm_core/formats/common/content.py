@@ -17,6 +17,7 @@ from typing import IO, TypeGuard
 
 import numpy as np
 
+from cpm_core.numerics.packages import MissingPackageError
 from cpm_core.numerics.types import Callback, Integers
 
 AnyPath = str | os.PathLike[str]
@@ -40,11 +41,6 @@ _MAX_FOLDER_LENGTH = 40
 """Longest path of a folder that a message shows in full [characters]."""
 
 _LOG = logging.getLogger(__name__)
-
-
-def missing_package_message(what: str, package: str, install: str) -> str:
-    """Return a sentence on what needs a missing package, with the pip requirement that installs it."""
-    return f'{what} needs the package {package}, which is not installed: run pip install "{install}".'
 
 
 class UnreadableError(ValueError):
@@ -92,8 +88,7 @@ def find_local_file(source: AnySource) -> Path:
         options = {"same_names": True, "cache_storage": str(folder)}
         return Path(fsspec.open_local(f"simplecache::{source}", simplecache=options))
     except ImportError as error:
-        package = error.name or "fsspec"
-        raise UnreadableError(missing_package_message(source, package, package)) from None
+        raise MissingPackageError(source, error.name or "fsspec") from None
     except Exception as error:  # of any kind of address
         raise UnreadableError(f"{source} cannot be read: {str(error) or type(error).__name__}.") from error
 
@@ -137,7 +132,7 @@ def explain_decoding_errors(name: str, fallback: str | Callable[[], str]) -> Ite
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
             yield
-    except (UnreadableError, MissingFileError) as error:
+    except (UnreadableError, MissingFileError, MissingPackageError) as error:
         if name in str(error):
             raise
         raise UnreadableError(f"{name}: {error}") from error

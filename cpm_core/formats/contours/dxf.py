@@ -12,6 +12,7 @@ import numpy as np
 from cpm_core.formats.common.provenance import Outcome, describe_provenance, flatten_provenance
 from cpm_core.formats.contours.contents import CollectedContours, PlaneInfo
 from cpm_core.formats.contours.curves import CURVE_TOLERANCE
+from cpm_core.numerics.packages import require_package
 from cpm_core.numerics.types import Array
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ def encode_dxf(result: Outcome) -> bytes:
     CLOSED and OPEN, named ones on a layer of that name, with underscores for forbidden characters; colors belong to
     the entities. A single vertex is a point. Provenance and image are comments at the beginning.
     """
+    require_package("ezdxf", "A .dxf file")
     import ezdxf
 
     ezdxf.options.write_fixed_meta_data_for_testing = True  # the same result always gives the same bytes
@@ -115,6 +117,7 @@ def read_dxf(content: bytes, plane: PlaneInfo) -> CollectedContours:
     drawing is 1 px, or one unit of the image. Files of CPM state the image in comments. The layer of a contour is its
     name.
     """
+    require_package("ezdxf", "A .dxf file")
     import ezdxf.path
     import ezdxf.recover
     import ezdxf.units

@@ -22,6 +22,7 @@ from cpm_core.formats.images.reading import Reading, select_series
 from cpm_core.formats.images.stack import Stack, stack_from_levels, stack_planes
 from cpm_core.image.gray_levels import NO_DATA_VALUE
 from cpm_core.image.image import MINIMUM_SIDE
+from cpm_core.numerics.packages import require_package
 from cpm_core.numerics.types import Numbers, Texts
 from cpm_core.parameters.formatting import quote_value
 
@@ -289,6 +290,7 @@ def _unpack_pixels(dataset: Any, frame: DicomFrame, name: str) -> Numbers:
         colored = int(dataset.get("SamplesPerPixel", 1)) != 1 and colors not in unpacked
         if codec is None or colored:
             raise
+    require_package("imagecodecs", name)
     import imagecodecs  # only here, because it takes long to import
 
     count = int(dataset.get("NumberOfFrames", 1) or 1)

@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.formats.common.content import UnreadableError, missing_package_message
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count, decode_bands
 from cpm_core.formats.images.reading import Reading, select_series
 from cpm_core.formats.images.stack import Stack
+from cpm_core.numerics.packages import require_package
 from cpm_core.numerics.types import Numbers
 
 FILE_KINDS = {".czi": "CZI file of Zeiss", ".lif": "LIF file of Leica", ".nd2": "ND2 file of Nikon"}
@@ -123,10 +124,8 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
     with path.open("rb") as stream:
         head = stream.read(10)
     package, kind, list_scenes = next(reader for mark, reader in _READERS.items() if head.startswith(mark))
-    try:
-        open_file = getattr(importlib.import_module(package), kind)
-    except ImportError:
-        raise UnreadableError(missing_package_message(name, package, "cpm-particles[microscopy]")) from None
+    require_package(package, name)
+    open_file = getattr(importlib.import_module(package), kind)
     with open_file(path) as file:
         scenes = [scene._replace(name=make_printable(scene.name)) for scene in list_scenes(file)]
     names = tuple(scene.name for scene in scenes)

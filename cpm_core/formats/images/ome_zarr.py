@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.formats.common.content import UnreadableError, missing_package_message
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.multiscale import MultiscaleImage
 from cpm_core.formats.images.reading import Reading, select_series
 from cpm_core.formats.images.stack import Stack, stack_from_levels
 from cpm_core.numerics.grids import Window
+from cpm_core.numerics.packages import require_package
 from cpm_core.numerics.types import Extent, JsonDict
 
 FILE_KINDS = {".zarr": "OME-Zarr image"}
@@ -44,10 +45,9 @@ def is_zarr(folder: Path) -> bool:
 
 def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage:  # noqa: B008 - a frozen value
     """Open an image in a Zarr folder; UnreadableError when it holds none, or the package zarr is missing."""
-    try:
-        import zarr
-    except ImportError:
-        raise UnreadableError(missing_package_message(path.name, "zarr", "cpm-particles[scale]")) from None
+    require_package("zarr", path.name)
+    import zarr
+
     name = make_printable(path.name)
     found = zarr.open(path, mode="r")
     if isinstance(found, zarr.Array):

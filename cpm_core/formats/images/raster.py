@@ -24,6 +24,7 @@ from cpm_core.formats.images.decoded import (
 )
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import Stack, stack_planes
+from cpm_core.numerics.packages import has_package, require_package
 
 FILE_KINDS = {
     ".png": "PNG picture",
@@ -131,14 +132,15 @@ def _decode_picture(picture: PIL.Image.Image, path: Path) -> DecodedImage:
         declared = arguments[1]
     whole = _count_frames(picture) == 1 and not picture.info.get("interlace")
     deep = whole and kind in ("RGB;16B", "RGBA;16B", "LA;16B")
-    if picture.format == "JPEG2000" or deep:
+    if deep or (picture.format == "JPEG2000" and (has_package("imagecodecs") or mode not in ("L", "RGB"))):
         return _decode_by_imagecodecs(path, "png" if deep else "jpeg2k")
-    # the same pixels, but faster, since Pillow holds the interpreter's lock; a truncated JPEG is left to Pillow, which
-    # reports it, unlike other decoders
-    if picture.format == "JPEG" and mode in ("L", "RGB") and path.read_bytes().endswith(b"\xff\xd9"):
-        return _decode_by_imagecodecs(path, "jpeg8")
-    if picture.format == "PNG" and whole and kind == mode and mode in ("L", "RGB") and not alpha:
-        return _decode_by_imagecodecs(path, "png")
+    if mode in ("L", "RGB") and has_package("imagecodecs"):
+        # the same pixels, but faster, since Pillow holds the interpreter's lock; a truncated JPEG is left to Pillow,
+        # which reports it, unlike other decoders
+        if picture.format == "JPEG" and path.read_bytes().endswith(b"\xff\xd9"):
+            return _decode_by_imagecodecs(path, "jpeg8")
+        if picture.format == "PNG" and whole and kind == mode and not alpha:
+            return _decode_by_imagecodecs(path, "png")
     if mode == "1":
         return DecodedImage(np.array(picture.convert("L")), notes=("Black and white were read as 0 and 255.",))
     if (mode == "L" and not alpha) or mode == "F" or mode.startswith("I"):
@@ -156,6 +158,7 @@ def _decode_picture(picture: PIL.Image.Image, path: Path) -> DecodedImage:
 
 def _decode_by_imagecodecs(path: Path, kind: str) -> DecodedImage:
     """Decode a picture by imagecodecs; Pillow takes only the higher bits of deep ones."""
+    require_package("imagecodecs", path.name)
     import imagecodecs  # only here, because it takes long to import
 
     samples = np.asarray(getattr(imagecodecs, f"{kind}_decode")(path.read_bytes()))

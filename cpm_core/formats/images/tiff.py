@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import logging
 import math
 import xml.etree.ElementTree as ET
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cpm_core.formats.common.content import UnreadableError, missing_package_message
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import make_printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import (
@@ -28,6 +27,7 @@ from cpm_core.formats.images.reading import Reading, select_series
 from cpm_core.formats.images.stack import ALL_COLORS, Stack, stack_from_levels, stack_planes
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA_VALUE
+from cpm_core.numerics.packages import require_package
 from cpm_core.numerics.types import Extent, Index, Numbers, Texts, frozen
 
 if TYPE_CHECKING:
@@ -53,6 +53,9 @@ _PREMULTIPLIED_ALPHA = 1
 
 _PER_METER_UNIT = 1
 """Code of tifffile for a resolution in pixels per meter."""
+
+_UNPACKED_BY_PYTHON = (1, 8, 32773, 32946)
+"""Codes of compressions that need no other package: none, Deflate twice, PackBits."""
 
 _NO_UNIT = 1
 """Tag for a resolution without a unit."""
@@ -92,6 +95,8 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         if series.dtype is None or min(series.shape) < 1:
             raise ValueError("it has no pixels")
         keyframe = series.keyframe
+        if keyframe.compression not in _UNPACKED_BY_PYTHON:
+            require_package("imagecodecs", name)
         depth, (row, col), unit = _read_voxel_size(file, keyframe, number)
         if keyframe.imagelength * keyframe.imagewidth > MAXIMUM_PIXELS and _color_kind(keyframe) in _SLIDE_COLORS:
             place = (depth or row, row, col), unit, names, number
@@ -162,8 +167,7 @@ class _TiffLevel:
 
 def _open_levels(path: Path, name: str, series: tifffile.TiffPageSeries, place: tuple[Any, ...]) -> MultiscaleImage:
     """Open all levels of a series that is too large to be read as a whole, such as a slide; `place` has the rest."""
-    if importlib.util.find_spec("zarr") is None:
-        raise UnreadableError(missing_package_message(name, "zarr", "cpm-particles[microscopy]"))
+    require_package("zarr", name)
     axes = series.axes.lower().replace("i", "z").replace("q", "z")
     if not set("yx") <= set(axes) <= set("tczyxs") or len(set(axes)) < len(axes):
         raise UnreadableError(f"{name} has the axes {series.axes}: save one volume or plane of it.")

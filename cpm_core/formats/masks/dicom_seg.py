@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import skimage
 
-from cpm_core.formats.common.content import UnreadableError, missing_package_message
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import build_label
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.images.decoded import DecodedImage
@@ -20,6 +20,7 @@ from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.surface import Label
+from cpm_core.numerics.packages import require_package
 from cpm_core.results.result import Result
 
 _SEGMENTATION_CLASS = "1.2.840.10008.5.1.4.1.1.66.4"
@@ -50,10 +51,8 @@ def encode_dicom_seg(result: Result, image: Path | None = None) -> bytes:
     Segments are numbered from 1 without gaps, as highdicom requires. ValueError without highdicom, when there is
     nothing to paint, and when the result does not lie in a DICOM series.
     """
-    try:
-        import highdicom
-    except ImportError as error:
-        raise ValueError(missing_package_message("DICOM SEG", "highdicom", "highdicom")) from error
+    require_package("highdicom", "DICOM SEG")
+    import highdicom
     import pydicom
     from pydicom.sr.coding import Code
 

@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.numerics.parallel import limit_blas
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
 CROP_SIDE = 96
@@ -295,6 +296,7 @@ class VolumeSampler:
         return measure_gray_range(self.values[::step, ::step, ::step])
 
 
+@limit_blas()
 def resample_with_tent(values: Array | Single | Mask, lines: list[Array], widths: tuple[float, ...]) -> Single:
     """Resample values at the crossings of lines along each axis, each of shape (K,) [voxels], as float32.
 

@@ -81,7 +81,7 @@ def test_a_notebook_without_the_library_shows_the_picture(monkeypatch):
     view.click((32, 18))
     pixels = np.asarray(PIL.Image.open(io.BytesIO(view._repr_png_())).convert("RGB")).reshape(-1, 3)
     assert (np.abs(pixels - np.array([0xF5, 0x79, 0x3A])).max(axis=1) < 8).any()
-    monkeypatch.setattr(MODULE, "find_spec", lambda name: None)
+    monkeypatch.setattr(MODULE, "has_package", lambda name: None)
     assert view._repr_mimebundle_() == {}
 
 

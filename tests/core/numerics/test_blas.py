@@ -1,8 +1,15 @@
-"""Products of small matrices keep to the thread that asks for them, and leave the process as it was."""
+"""Products of matrices keep to the thread that asks for them, and leave the process as it was."""
 
+import time
+
+import numpy as np
+import pytest
 import threadpoolctl
 
-from cpm_core.numerics.parallel import limit_blas
+import cpm_core as cpm
+from cpm_core.field.convolution import WindowedField
+from cpm_core.numerics.parallel import limit_blas, limit_cores
+from cpm_core.objects.prior.crops import resample_with_tent
 
 
 def count_blas_threads():
@@ -26,3 +33,25 @@ def test_two_threads_that_overlap_leave_the_limit_of_the_process_as_it_was():
         assert set(count_blas_threads()) == {1}
         second.__exit__(None, None, None)
         assert count_blas_threads() == before
+
+
+def click():
+    cpm.partition(cpm.example("disk")).select([(10, 10)])
+
+
+def sample_volume():
+    resample_with_tent(np.ones((200, 200, 200)), [np.linspace(0.0, 199.0, 64)] * 3, (3.0, 3.0, 3.0))
+
+
+def field_of_large_image():
+    WindowedField(np.ones((2000, 2000), np.float32), None).field_in_window((slice(0, 2000), slice(0, 2000)))
+
+
+@pytest.mark.parametrize("work", [click, sample_volume, field_of_large_image])
+def test_on_one_core_no_other_thread_takes_processor_time(compiled_loops, work):
+    work()
+    with limit_cores(1), threadpoolctl.threadpool_limits(2, "blas"):
+        used = time.process_time(), time.thread_time()
+        work()
+        process, caller = time.process_time() - used[0], time.thread_time() - used[1]
+    assert process - caller < 0.01 + 0.01 * caller

@@ -128,10 +128,10 @@ def test_a_damaged_file_is_called_that(tmp_path):
         load_volume(tmp_path / "b.lif")
 
 
-def test_a_missing_package_is_named_with_its_extra(tmp_path, monkeypatch):
+def test_a_missing_package_is_named(tmp_path, monkeypatch):
     (tmp_path / "a.nd2").write_bytes(b"\xda\xce\xbe\x0a" + bytes(600))
     monkeypatch.setitem(sys.modules, "nd2", None)
-    with pytest.raises(ValueError, match=r'a\.nd2 needs the package nd2.* pip install "cpm-particles\[microscopy\]"'):
+    with pytest.raises(ValueError, match=r"a\.nd2 needs the package nd2, .* run pip install nd2\."):
         load_image(tmp_path / "a.nd2")
 
 

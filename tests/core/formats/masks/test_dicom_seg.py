@@ -89,7 +89,7 @@ def test_a_series_without_what_a_segmentation_needs_is_called_that(tmp_path):
 def test_without_the_package_the_sentence_names_it(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "highdicom", None)
     series = write_series(tmp_path / "series", HEIGHTS)
-    with pytest.raises(ValueError, match='run pip install "highdicom"'):
+    with pytest.raises(ValueError, match="run pip install highdicom"):
         export(found_in(load_volume(series)), tmp_path / "a.seg.dcm", image=series)
 
 
