@@ -48,6 +48,7 @@ from cpm_core.formats.images.reading import Reading as Reading
 from cpm_core.formats.images.stack import ONLY_THESE_NOTE as ONLY_THESE_NOTE
 from cpm_core.formats.images.stack import Pages as Pages
 from cpm_core.formats.images.stack import Stack as Stack
+from cpm_core.formats.measures_csv import encode_measures_table as encode_measures_table
 from cpm_core.formats.meshes.swc import load_centerlines as load_centerlines
 from cpm_core.formats.sessions.particle_state import state_from_json as state_from_json
 from cpm_core.formats.sessions.particle_state import state_to_json as state_to_json

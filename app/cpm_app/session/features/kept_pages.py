@@ -33,7 +33,7 @@ from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import PageFollower, StackResult, limit_scales, strip_image
-from cpm_core.shapes import SeedCache, Start, check_axes
+from cpm_core.shapes import Measure, SeedCache, Start, check_axes
 
 Entry = TypeVar("Entry")
 
@@ -136,10 +136,11 @@ def give_starts(document: Document, starts: tuple[Start, ...]) -> tuple[Document
 
 
 def without_results(document: Document) -> Document:
-    """Keep the settings of a document for another page: shapes, parameters, mode and classes, but no results."""
+    """Keep the settings of a document for another page: shapes, parameters, mode, classes; no results, no measures."""
     known = document.objects
     known = SegmentedObjects(classes=known.classes, category=known.category, may_overlap=known.may_overlap)
-    return Document(document.image, document.shapes, document.parameters, mode=document.mode, objects=known)
+    shapes = tuple(shape for shape in document.shapes if not isinstance(shape, Measure))
+    return Document(document.image, shapes, document.parameters, mode=document.mode, objects=known)
 
 
 def with_taken_numbers(document: Document, taken: int) -> Document:
