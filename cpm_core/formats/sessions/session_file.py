@@ -101,6 +101,28 @@ class TruthFile:
 
 
 @frozen
+class SecondFile:
+    """The second image of a session, which lies over the first.
+
+    Attributes
+    ----------
+    path : str
+        Its file; a relative path starts at the folder of the session file.
+    absolute : str
+        Another path where it may be.
+    """
+
+    path: str
+    absolute: str = ""
+
+
+def locate_file(file: TruthFile | SecondFile, folder: Path) -> Path:
+    """Return where a file of a session in a folder is: beside it, or else at its absolute path."""
+    beside = folder / file.path
+    return beside if beside.exists() or not file.absolute else Path(file.absolute)
+
+
+@frozen
 class SessionFile:
     """Content of a session file.
 
@@ -128,6 +150,8 @@ class SessionFile:
         Recorded runs of the window, as JSON; no effect on a run.
     truth : TruthFile or None
         The ground truth that contours are compared with.
+    second : SecondFile or None
+        The second image; no effect on a run.
     pages : mapping
         The other pages of a stack, as JSON of the window; no effect on a run.
     """
@@ -143,6 +167,7 @@ class SessionFile:
     notes: Texts = ()
     runs: JsonObject = field(default_factory=dict)
     truth: TruthFile | None = None
+    second: SecondFile | None = None
     pages: JsonObject = field(default_factory=dict)
 
 
@@ -190,6 +215,8 @@ def encode_session(session: SessionFile, folder: Path) -> bytes:
     plain |= {"objects": to_json(session.objects), "outlined": to_json(session.outlined), "view": dict(session.view)}
     if session.truth is not None:
         plain["truth"] = {**to_json(session.truth), **_place_to_json(session.truth.path, folder)}
+    if session.second is not None:
+        plain["second"] = _place_to_json(session.second.path, folder)
     plain.update(session.extra)
     if session.runs:
         plain["runs"] = dict(session.runs)
@@ -256,6 +283,7 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             ),
             runs=read_optional("runs", "recorded runs were", partial(_expect_finite_entries, where="runs"), {}),
             truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile, where="truth"), None),
+            second=read_optional("second", "second image was", partial(from_json, SecondFile, where="second"), None),
             pages=read_optional(
                 "pages", "other pages of the stack were", partial(_expect_finite_entries, where="pages"), {}
             ),

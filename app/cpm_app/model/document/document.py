@@ -103,6 +103,8 @@ class Document:
         The objects that have been selected, and the selection that is being made.
     outlined : SkeletonTarget
         Objects and contours whose skeleton is wanted in the mode of skeletons; if empty, that of the image.
+    second : str
+        Path of a second image, which is shown over the first; empty for none.
     """
 
     image: ImageReference | None = None
@@ -111,6 +113,7 @@ class Document:
     mode: Mode = "shape"
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     outlined: SkeletonTarget = field(default_factory=SkeletonTarget)
+    second: str = ""
 
     @property
     def starts(self) -> tuple[Start, ...]:

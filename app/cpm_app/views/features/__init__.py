@@ -17,6 +17,7 @@ from cpm_app.views.features.run import (
     TasksFeature,
     TimelineFeature,
 )
+from cpm_app.views.features.second_image import SecondImageFeature
 from cpm_app.views.features.view import KeyboardFeature, LayersFeature
 from cpm_app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
 from cpm_app.views.window.window import Feature
@@ -33,6 +34,7 @@ WINDOW_FEATURES: tuple[type[Feature], ...] = (
     UndoSelectionFeature,
     ClipboardFeature,
     ImportFeature,
+    SecondImageFeature,
     DrawFeature,
     RunControlFeature,
     TimelineFeature,

@@ -18,6 +18,7 @@ from cpm_app.views.layers.layer import Layer, LegendEntry, WorkerRequests
 from cpm_app.views.layers.measures import MeasureLayer
 from cpm_app.views.layers.objects import ObjectLayer
 from cpm_app.views.layers.particles import ParticleLayer
+from cpm_app.views.layers.second_image import SecondImageLayer
 from cpm_app.views.layers.skeleton import SkeletonLayer
 
 L = TypeVar("L", bound=Layer)
@@ -35,6 +36,7 @@ LAYER_CLASSES: tuple[type[Layer], ...] = (
     EdgeMapLayer,
     PotentialLayer,
     FieldLayer,
+    SecondImageLayer,
     ImageLayer,
     ScaleBarLayer,
     OrientationLayer,
