@@ -29,7 +29,6 @@ from cpm_core.shapes import (
     Extruded,
     Interest,
     Measure,
-    Oval,
     Points,
     Polygon,
     PrismRegion,
@@ -138,10 +137,12 @@ def _iterate_cuts(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
 
 
 def _cut_measure(shape: Measure, here: Slice) -> Iterator[Cut]:
-    """Yield a measure in all slices from its first to its last point, with the handles that lie in the slice."""
-    along = shape.outline[:, here.axis]
-    flat = isinstance(shape, Oval) and shape.axis != here.axis
-    if not flat and along.min() - _IN_SLICE_DISTANCE <= here.index <= along.max() + _IN_SLICE_DISTANCE:
+    """Yield a measure in the slice that it lies in, else in all from its first to its last point.
+
+    Only handles in the slice are held.
+    """
+    along, flat = shape.outline[:, here.axis], np.ptp(shape.outline, axis=0) <= _IN_SLICE_DISTANCE
+    if (flat[here.axis] or not flat.any()) and along.min() - _IN_SLICE_DISTANCE <= here.index <= along.max() + _IN_SLICE_DISTANCE:
         held = (at for at in shape.handles() if abs(at[here.axis] - here.index) <= _IN_SLICE_DISTANCE)
         yield Cut(shape, here.project_points(shape.outline), tuple(map(here.drop_axis, held)))
 

@@ -51,7 +51,8 @@ class MeasureLayer(Layer):
             if isinstance(whole := whole_shape(section), Measure)
         ]
         self._lines.show_paths([outline for outline, _ in found])
+        top = min if self.view.yInverted() else max
         self.labels.show_texts([
-            (tuple(min(outline.tolist())), describe_measure(whole, image, channel), theme.MEASURE_COLOR)
+            (tuple(top(outline.tolist())), describe_measure(whole, image, channel), theme.MEASURE_COLOR)
             for outline, whole in found
         ])  # fmt: skip
