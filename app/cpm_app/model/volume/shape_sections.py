@@ -142,7 +142,9 @@ def _cut_measure(shape: Measure, here: Slice) -> Iterator[Cut]:
     Only handles in the slice are held.
     """
     along, flat = shape.outline[:, here.axis], np.ptp(shape.outline, axis=0) <= _IN_SLICE_DISTANCE
-    if (flat[here.axis] or not flat.any()) and along.min() - _IN_SLICE_DISTANCE <= here.index <= along.max() + _IN_SLICE_DISTANCE:
+    if (
+        flat[here.axis] or not flat.any()
+    ) and along.min() - _IN_SLICE_DISTANCE <= here.index <= along.max() + _IN_SLICE_DISTANCE:
         held = (at for at in shape.handles() if abs(at[here.axis] - here.index) <= _IN_SLICE_DISTANCE)
         yield Cut(shape, here.project_points(shape.outline), tuple(map(here.drop_axis, held)))
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 from cpm_app.model.display.page_rows import PageRow, collect_page_rows
 from cpm_app.model.document.document import Document, ImageReference
@@ -38,18 +38,24 @@ from cpm_core.shapes import Measure, SeedCache, Start, check_axes
 Entry = TypeVar("Entry")
 
 
+PageKind = Literal["page", "channel", "time"]
+"""What the pages of a file are."""
+
+
 @record
 class StackSource:
-    """A file whose pages are separate images.
+    """A file whose pages are separate images, or whose points in time or channels are separate volumes.
 
     Attributes
     ----------
     path : str
         The file.
     count : int
-        Number of its pages; 0 where nothing is open, or a volume.
-    by_channel : bool
-        Whether its pages are its channels, because it has neither planes nor times.
+        Number of its pages; 0 where there is one.
+    kind : {"page", "channel", "time"}
+        What they are: channels where an image has neither planes nor times, or a volume no times.
+    has_volumes : bool
+        Whether they are volumes, which are opened one by one, without a result of all.
     reading : Reading
         How its pages are read.
     default_page : int
@@ -58,35 +64,44 @@ class StackSource:
 
     path: str = ""
     count: int = 0
-    by_channel: bool = False
+    kind: PageKind = "page"
+    has_volumes: bool = False
     reading: Reading = field(default_factory=Reading)
     default_page: int = 1
 
     @classmethod
-    def from_file(cls, path: str, parts: FileParts | None, reading: Reading) -> StackSource:
-        """Describe the stack in a file."""
+    def from_file(cls, path: str, parts: FileParts | None, reading: Reading, in_volume: bool) -> StackSource:
+        """Describe the stack in a file, of which an image or a volume is open."""
         if parts is None:
             return cls(path)
-        by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1 and not parts.has_colors
-        count = parts.channels if by_channel else parts.pages
-        return cls(path, count if count > 1 else 0, by_channel, reading, parts.default_page)
+        by_channel = parts.times == 1 and parts.channels > 1 and not parts.has_colors
+        kind: PageKind = "time" if in_volume else "page"
+        if by_channel and (in_volume or parts.pages == 1):
+            kind = "channel"
+        count = {"page": parts.pages, "channel": parts.channels, "time": parts.times}[kind]
+        return cls(path, count if count > 1 else 0, kind, in_volume, reading, parts.default_page)
 
     def page_number(self, reading: Reading) -> int:
         """Return the number of the page that a reading selects."""
-        return (reading.channel or 1) if self.by_channel else (reading.page or self.default_page)
+        number: int | None = getattr(reading, self.kind)
+        return number or self._default
 
     def reading_for(self, number: int) -> Reading:
         """Return the reading of a page; the default page needs no number."""
-        selected = None if number == (1 if self.by_channel else self.default_page) else number
-        return replace(self.reading, channel=selected) if self.by_channel else replace(self.reading, page=selected)
+        selected: dict[str, Any] = {self.kind: None if number == self._default else number}
+        return replace(self.reading, **selected)
+
+    @property
+    def _default(self) -> int:
+        """Number of the page that is read by default."""
+        return self.default_page if self.kind == "page" else 1
 
     @cached_property
     def pages(self) -> Pages:
         """The pages, each read from the file on access; not for use on the window's thread."""
         given = self.reading.arguments
-        given.pop("page", None)
-        if self.by_channel:
-            given.pop("channel", None)
+        for name in ("page", self.kind):
+            given.pop(name, None)
         return load_pages(self.path, **given)
 
 
