@@ -110,10 +110,13 @@ class SecondFile:
         Its file; a relative path starts at the folder of the session file.
     absolute : str
         Another path where it may be.
+    reading : Reading
+        Part of the file.
     """
 
     path: str
     absolute: str = ""
+    reading: Reading = DEFAULT_READING
 
 
 def locate_file(file: TruthFile | SecondFile, folder: Path) -> Path:
@@ -207,8 +210,7 @@ def encode_session(session: SessionFile, folder: Path) -> bytes:
     check_axes(session.shapes, session.image.shape if session.image else ())
     plain: JsonDict = {SESSION_MARK: SESSION_VERSION, "program": PROGRAM_NAME}
     if session.image is not None:
-        read = {name: to_json(given) for name, given in session.image.reading.arguments.items()}
-        plain["image"] = {**to_json(session.image), **_place_to_json(session.image.path, folder), "reading": read}
+        plain["image"] = _part_to_json(session.image, folder)
     plain["shapes"] = [shape_to_json(shape) for shape in session.shapes]
     plain["parameters"] = to_json(session.parameters)
     plain["mode"] = session.mode
@@ -216,7 +218,7 @@ def encode_session(session: SessionFile, folder: Path) -> bytes:
     if session.truth is not None:
         plain["truth"] = {**to_json(session.truth), **_place_to_json(session.truth.path, folder)}
     if session.second is not None:
-        plain["second"] = _place_to_json(session.second.path, folder)
+        plain["second"] = _part_to_json(session.second, folder)
     plain.update(session.extra)
     if session.runs:
         plain["runs"] = dict(session.runs)
@@ -338,6 +340,12 @@ def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
+
+
+def _part_to_json(part: ImageFile | SecondFile, folder: Path) -> JsonDict:
+    """Convert a part of a file to JSON, with those options of its reading that are not the default."""
+    read = {name: to_json(given) for name, given in part.reading.arguments.items()}
+    return {**to_json(part), **_place_to_json(part.path, folder), "reading": read}
 
 
 def _place_to_json(place: str, folder: Path) -> JsonDict:

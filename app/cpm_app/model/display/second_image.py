@@ -8,7 +8,7 @@ import numpy as np
 
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_core import Image
-from cpm_core.image.resampling import find_grid_mapping, is_label_map, resample_image
+from cpm_core.image.resampling import find_grid_mapping, resample_image
 from cpm_core.numerics.types import Pixels, record
 
 LABEL_SHADES = 255
@@ -41,9 +41,9 @@ class SecondImage:
         return DisplayImage.from_labels(shades) if self.is_labels else DisplayImage.from_shades(shades)
 
 
-def build_second_image(image: Image, target: Image, advance: Callable[[float], None]) -> SecondImage:
+def build_second_image(image: Image, target: Image, is_labels: bool, advance: Callable[[float], None]) -> SecondImage:
     """Build the second image from an image, in the grid of a target; `advance` gets the finished fraction."""
-    mapping, is_labels = find_grid_mapping(image, target), is_label_map(image)
+    mapping = find_grid_mapping(image, target)
     shades = np.zeros(target.shape, np.uint8)
     low, high = image.shown_range
     step = _PLANES_AT_ONCE if target.ndim == 3 else 16 * _PLANES_AT_ONCE

@@ -11,7 +11,7 @@ from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.document.modes import MODES, switch_mode
 from cpm_app.model.text.language import tr
 from cpm_core import Parameters
-from cpm_core.formats import ImageFile, SecondFile, SessionFile, locate_file
+from cpm_core.formats import ImageFile, SessionFile, locate_file
 from cpm_core.numerics.types import Texts
 
 _DOCUMENT_PART_NAMES = {
@@ -39,7 +39,7 @@ def to_session_file(document: Document, view: View, before: SessionFile | None =
         mode=document.mode,
         objects=document.objects,
         outlined=document.outlined,
-        second=SecondFile(document.second) if document.second else None,
+        second=document.second,
         view=view,
         notes=(),
     )
@@ -69,7 +69,9 @@ def from_session_file(
     file: SessionFile, image: ImageReference, parameters: Parameters, folder: Path | None = None
 ) -> Document:
     """Convert a session file in a folder to a document on its image, with parameters that suit the image."""
-    second = "" if file.second is None else str(locate_file(file.second, folder or Path(image.path).parent))
+    second = file.second
+    if second is not None:
+        second = replace(second, path=str(locate_file(second, folder or Path(image.path).parent)), absolute="")
     return Document(
         image,
         file.shapes,

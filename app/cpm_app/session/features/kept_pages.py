@@ -23,6 +23,7 @@ from cpm_core import Engine, Evolution, Image, Page, Result, load_pages
 from cpm_core.formats import (
     Pages,
     Reading,
+    SecondFile,
     decode_session,
     encode_session,
     expect_mapping,
@@ -90,6 +91,12 @@ class StackSource:
         """Return the reading of a page; the default page needs no number."""
         selected: dict[str, Any] = {self.kind: None if number == self._default else number}
         return replace(self.reading, **selected)
+
+    def follow_second(self, second: SecondFile | None, number: int) -> SecondFile | None:
+        """Return the second image of a page from that of another one: a channel of the file goes along in time."""
+        if second is None or second.path != self.path or self.kind != "time":
+            return second
+        return replace(second, reading=replace(second.reading, time=number))
 
     @property
     def _default(self) -> int:

@@ -83,7 +83,7 @@ def test_a_gray_image_is_opened_by_the_menu_switched_saved_and_removed(head, han
     saved = tmp_path / "kept.cpm"
     head.get_feature(OpenSaveFeature).document_file.save_and_wait(saved)
     head.trigger_action("remove_overlay")
-    assert head.session.scene.second is None and head.session.document.second == ""
+    assert head.session.scene.second is None and head.session.document.second is None
     head.open_image(str(saved))
     hand.wait(lambda: head.session.scene.second is not None)
     np.testing.assert_array_equal(head.session.scene.second.shades, second.shades)
@@ -105,4 +105,4 @@ def test_a_picture_cannot_lie_over_a_volume_and_says_so(head, hand, image_file) 
     hand.wait(
         lambda: "is an image, but" in head.canvas_area.messages.text or "volume" in head.canvas_area.messages.text
     )
-    assert head.session.document.second == "" and head.session.scene.second is None
+    assert head.session.document.second is None and head.session.scene.second is None
