@@ -48,6 +48,7 @@ from cpm_core.formats.images.reading import Reading as Reading
 from cpm_core.formats.images.stack import ONLY_THESE_NOTE as ONLY_THESE_NOTE
 from cpm_core.formats.images.stack import Pages as Pages
 from cpm_core.formats.images.stack import Stack as Stack
+from cpm_core.formats.measures_csv import encode_measures_table as encode_measures_table
 from cpm_core.formats.meshes.swc import load_centerlines as load_centerlines
 from cpm_core.formats.sessions.particle_state import state_from_json as state_from_json
 from cpm_core.formats.sessions.particle_state import state_to_json as state_to_json
@@ -61,6 +62,7 @@ from cpm_core.formats.sessions.project_file import project_session as project_se
 from cpm_core.formats.sessions.project_file import update_project as update_project
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX as SESSION_SUFFIX
 from cpm_core.formats.sessions.session_file import ImageFile as ImageFile
+from cpm_core.formats.sessions.session_file import SecondFile as SecondFile
 from cpm_core.formats.sessions.session_file import SessionFile as SessionFile
 from cpm_core.formats.sessions.session_file import TruthFile as TruthFile
 from cpm_core.formats.sessions.session_file import adapt_reading as adapt_reading
@@ -68,6 +70,7 @@ from cpm_core.formats.sessions.session_file import decode_session as decode_sess
 from cpm_core.formats.sessions.session_file import encode_session as encode_session
 from cpm_core.formats.sessions.session_file import find_session_image as find_session_image
 from cpm_core.formats.sessions.session_file import load_session as load_session
+from cpm_core.formats.sessions.session_file import locate_file as locate_file
 from cpm_core.formats.sessions.session_file import save_session as save_session
 from cpm_core.formats.stack_files import STACKS_WRITABLE as STACKS_WRITABLE
 from cpm_core.formats.stack_files import export_stack as export_stack

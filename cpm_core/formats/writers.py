@@ -412,7 +412,8 @@ def to_bytes(
     file_format = next((one for one in FILE_FORMATS if isinstance(suffix, str) and one.suffix == suffix), None)
     if file_format is None:
         raise ValueError(
-            f"{quote_value(suffix)} names no format that can be written: choose {format_choice(suffix, _FORMAT_SUFFIXES)}"
+            f"{quote_value(suffix)} names no format that can be written: "
+            f"choose {format_choice(suffix, _FORMAT_SUFFIXES)}"
         )
     found = as_result(result, image if isinstance(image, Image) else None)
     _check_extent(result, image, suffix)

@@ -267,9 +267,12 @@ class Image(drawing.Pictured):
 
     def gray_at(self, pixel: tuple[int, ...], channel: str = "luminance") -> float:
         """Return the gray level of a pixel (row, col), or of a voxel (plane, row, col), in a channel."""
-        place = tuple(slice(at, at + 1) for at in pixel)
-        colors = self.colors and Colors(self.colors.samples[place], self.colors.white)
-        return float(extract_channel(self.stored[place], colors, channel).item())
+        return float(self.gray_levels_in(tuple(slice(at, at + 1) for at in pixel), channel).item())
+
+    def gray_levels_in(self, window: tuple[slice, ...], channel: str = "luminance") -> Array:
+        """Return the gray levels of a channel in a window, without converting the rest of the image."""
+        colors = self.colors and Colors(self.colors.samples[window], self.colors.white)
+        return extract_channel(self.stored[window], colors, channel).astype(np.float64, copy=False)
 
     def resolve_channel(self, wanted: str) -> str:
         """Return the name of the channel that is used when one is wanted: a gray image has its luminance alone."""

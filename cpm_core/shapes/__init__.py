@@ -23,6 +23,12 @@ from cpm_core.shapes.lines import Points as Points
 from cpm_core.shapes.lines import Polygon as Polygon
 from cpm_core.shapes.lines import PolygonRegion as PolygonRegion
 from cpm_core.shapes.lines import Stroke as Stroke
+from cpm_core.shapes.measures import Angle as Angle
+from cpm_core.shapes.measures import Measure as Measure
+from cpm_core.shapes.measures import MeasuredValues as MeasuredValues
+from cpm_core.shapes.measures import Oval as Oval
+from cpm_core.shapes.measures import Ruler as Ruler
+from cpm_core.shapes.measures import select_measures as select_measures
 from cpm_core.shapes.outlines import start_from_surface as start_from_surface
 from cpm_core.shapes.outlines import starts_from_centerlines as starts_from_centerlines
 from cpm_core.shapes.outlines import starts_from_contours as starts_from_contours

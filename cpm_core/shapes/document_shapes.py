@@ -17,6 +17,7 @@ from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.everywhere import Everywhere
 from cpm_core.shapes.image_starts import NO_SEEDS, ImageSeeds, ImageStart, SeedCache
 from cpm_core.shapes.lines import Barrier, Points, PolygonRegion
+from cpm_core.shapes.measures import Oval
 from cpm_core.shapes.shape import Shape, Start
 from cpm_core.shapes.solids import BoxRegion, Cuboid, Sphere
 from cpm_core.shapes.volume_limits import Enclosed, EnclosedRegion, EnclosingWall, Extruded, PrismRegion, Wall
@@ -44,6 +45,8 @@ def count_axes(shape: Shape) -> int | None:
             return len(shape.positions[0])
         case Charge():
             return len(shape.position)
+        case Oval():
+            return len(shape.center)
         case _:
             return len(shape.points[0])
 

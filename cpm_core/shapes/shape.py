@@ -1,4 +1,4 @@
-"""The shapes that a user draws: starts, which give particles; limits, which hold them back; and placed charges.
+"""The shapes that a user draws: starts, which give particles; limits, which hold them back; placed charges; measures.
 
 A shape is frozen and checks its values. It can be moved, resized and reshaped by its handles, and gives the distance of
 a position. Shapes do not depend on the window. A new shape needs a class and an entry in the unions below; session
@@ -17,6 +17,7 @@ from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.everywhere import Everywhere
 from cpm_core.shapes.lines import Barrier, Points, Polygon, PolygonRegion, Stroke
+from cpm_core.shapes.measures import Measure
 from cpm_core.shapes.solids import Box, BoxGrid, BoxRegion, BoxThreshold, Sphere
 from cpm_core.shapes.volume_limits import EnclosedRegion, EnclosingWall, PrismRegion, Wall
 
@@ -31,7 +32,7 @@ Interest = PolygonRegion | BoxRegion | PrismRegion | EnclosedRegion
 Limit = PolygonRegion | Barrier | BoxRegion | PrismRegion | Wall | EnclosedRegion | EnclosingWall
 """Shapes that hold particles back; the first two in images."""
 
-Shape = Start | Limit | Charge
+Shape = Start | Limit | Charge | Measure
 
 SHAPES_BY_NAME: Mapping[str, type[Shape]] = {
     "region" if kind is PolygonRegion else kind.__name__.lower(): kind for kind in get_args(Shape)

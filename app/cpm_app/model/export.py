@@ -24,13 +24,17 @@ from cpm_core.formats import (
     VOLUMES_WRITABLE,
     choose_file_name,
     count_left_out,
+    encode_measures_table,
 )
 from cpm_core.image import Convention
 from cpm_core.numerics import polyline
 from cpm_core.numerics.packages import has_package
 from cpm_core.numerics.types import frozen
+from cpm_core.shapes import select_measures
 
-ExportKind = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
+ExportKind = Literal[
+    "objects", "contours", "skeleton", "surface", "lines", "pages", "measures", "space", "turntable", "run"
+]
 
 EXPORT_TITLES = {
     "objects": (tr("Objects"), tr("Export objects")),
@@ -39,6 +43,7 @@ EXPORT_TITLES = {
     "surface": (tr("Surface"), tr("Export surface")),
     "lines": (tr("Center lines"), tr("Export center lines")),
     "pages": (tr("All pages"), tr("Export all pages")),
+    "measures": (tr("Measures"), tr("Export measures")),
     "space": (tr("View in space"), tr("Export view in space")),
     "turntable": (tr("Turn of the view in space"), tr("Export turntable")),
     "run": (tr("Animation of the run"), tr("Export animation")),
@@ -84,6 +89,7 @@ _FORMATS_BY_KIND = {
     "run": ANIMATIONS_WRITABLE,
     "turntable": ANIMATIONS_WRITABLE,
     "space": {".png": tr("PNG")},
+    "measures": {".csv": tr("CSV, one row per measure")},
 }
 """Writers of each kind that is not written as contours, by suffix."""
 
@@ -103,7 +109,9 @@ def list_export_formats(
     frozen application without matplotlib, which cannot be added to it, offers no figures.
     """
     writable = VOLUMES_WRITABLE if in_volume and kind == "objects" else _FORMATS_BY_KIND.get(kind, CONTOURS_WRITABLE)
-    names = {"space": writable, "run": _ANIMATION_NAMES, "turntable": _ANIMATION_NAMES}.get(kind, _FORMAT_NAMES)
+    names = {"space": writable, "measures": writable, "run": _ANIMATION_NAMES, "turntable": _ANIMATION_NAMES}.get(
+        kind, _FORMAT_NAMES
+    )
     lacking = {*_ALIAS_SUFFIXES, *_OMITTED_SUFFIXES.get(kind, "").split()}
     if getattr(sys, "frozen", False) and not has_package("matplotlib"):
         lacking |= FIGURE_SUFFIXES
@@ -116,7 +124,7 @@ def list_export_formats(
 
 def export_file_name(base: str, kind: ExportKind, suffix: str, alone: bool) -> str:
     """Return the name of a file; of several for labelme, only one that is `alone` can have the name of the image."""
-    if kind == "pages" or (suffix == ".labelme.json" and not alone):
+    if kind in ("pages", "measures") or (suffix == ".labelme.json" and not alone):
         return f"{base}_{kind}{suffix}"
     return choose_file_name(base, kind, suffix)
 
@@ -170,6 +178,15 @@ class ExportOrder:
 def has_objects_to_export(document: Document) -> bool:
     """Tell whether a document has objects to export, for which no run is needed."""
     return any(not item.hidden for item in document.objects.items)
+
+
+def encode_measures(document: Document, order: ExportOrder, image: Image) -> bytes:
+    """Encode the table of the measures of a document."""
+    assert document.image is not None
+    known = document.image.with_known_pixel_size(image)
+    if not order.in_units:
+        known = known.with_spacing((1.0,) * known.ndim, None)
+    return encode_measures_table(select_measures(document.shapes), known, document.parameters.channel)
 
 
 def prepare_export(

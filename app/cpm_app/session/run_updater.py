@@ -23,7 +23,7 @@ from cpm_app.session.timeline.timeline_nodes import EraseAction
 from cpm_app.session.worker.commands import WorkerCommand, call_run, find_seeds
 from cpm_app.session.worker.run import Run
 from cpm_core.numerics import Place
-from cpm_core.shapes import Interest, Shape
+from cpm_core.shapes import Interest, Measure, Shape
 
 _MOTION_ALLOWANCE = 2.0
 """Distance by which particles may have moved since they were shown [px]."""
@@ -180,4 +180,5 @@ class RunUpdater:
 
 def _find_start_inputs(document: Document) -> tuple[object, ...]:
     """Return all that the area of a start depends on besides the parameters."""
-    return document.image, document.mode, document.shapes, document.objects.barriers
+    acting = tuple(shape for shape in document.shapes if not isinstance(shape, Measure))
+    return document.image, document.mode, acting, document.objects.barriers

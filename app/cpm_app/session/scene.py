@@ -12,6 +12,7 @@ from functools import cached_property
 
 from cpm_app.model.display.differences import Difference, SurfaceDifference
 from cpm_app.model.display.display_image import DisplayImage
+from cpm_app.model.display.second_image import SecondImage
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import object_from_selection
 from cpm_app.model.volume.slices import Slices
@@ -166,6 +167,8 @@ class Scene:
         The volume whose slice `image` is; None for an image of its own, and for the volume itself.
     near_particles : NearParticles or None
         Particles of a volume that are shown in a slice.
+    second : SecondImage or None
+        The second image, which lies over the first.
     """
 
     image: Image | None = None
@@ -188,6 +191,7 @@ class Scene:
     slices: Slices | None = None
     volume: Image | None = None
     near_particles: NearParticles | None = None
+    second: SecondImage | None = None
 
     @property
     def full_image(self) -> Image | None:

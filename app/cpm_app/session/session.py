@@ -582,7 +582,9 @@ def _make_first_document(opened: ImageOpened, mode: Mode) -> Document:
         mode = "shape"  # starts everywhere take long in a volume, which has no skeletons either
     reference = ImageReference.from_image(path, image, opened.reading)
     if opened.saved is not None:
-        return from_session_file(opened.saved.file, reference, opened.parameters)
+        saved = opened.saved
+        folder = None if saved.path is None else saved.path.absolute().parent
+        return from_session_file(saved.file, reference, opened.parameters, folder)
     if sample is not None:
         return Document(reference, sample.shapes, opened.parameters, mode=sample.mode)
     return Document(reference, adapt_shapes_to_mode(mode, ()), opened.parameters, mode=mode)

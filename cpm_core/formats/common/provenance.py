@@ -20,7 +20,7 @@ from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import JsonDict, JsonObject
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
-from cpm_core.shapes import SHAPES_BY_NAME, EnclosedRegion, EnclosingWall, Shape
+from cpm_core.shapes import SHAPES_BY_NAME, EnclosedRegion, EnclosingWall, Measure, Shape
 
 Outcome = Result | Skeleton
 """Outcome of a run on an image: contours, or a skeleton."""
@@ -112,10 +112,15 @@ def _iterate_leaves(value: Any) -> Iterator[str]:
 
 
 def describe_shapes(shapes: Iterable[Shape]) -> tuple[JsonDict, ...]:
-    """Describe shapes for `Provenance.shapes`, with the kinds and fields of session files."""
+    """Describe shapes for `Provenance.shapes`, with the kinds and fields of session files.
+
+    Measures, which act on no run, are left out.
+    """
     kinds = {kind: name for name, kind in SHAPES_BY_NAME.items()}
     found = []
     for shape in shapes:
+        if isinstance(shape, Measure):
+            continue
         fields = {}
         if isinstance(shape, EnclosedRegion | EnclosingWall):  # these may have many thousand triangles
             fields = {"triangles": len(shape.region.find_surface().faces), "voxels": int(shape.limit.mask.sum())}

@@ -101,6 +101,31 @@ class TruthFile:
 
 
 @frozen
+class SecondFile:
+    """The second image of a session, which lies over the first.
+
+    Attributes
+    ----------
+    path : str
+        Its file; a relative path starts at the folder of the session file.
+    absolute : str
+        Another path where it may be.
+    reading : Reading
+        Part of the file.
+    """
+
+    path: str
+    absolute: str = ""
+    reading: Reading = DEFAULT_READING
+
+
+def locate_file(file: TruthFile | SecondFile, folder: Path) -> Path:
+    """Return where a file of a session in a folder is: beside it, or else at its absolute path."""
+    beside = folder / file.path
+    return beside if beside.exists() or not file.absolute else Path(file.absolute)
+
+
+@frozen
 class SessionFile:
     """Content of a session file.
 
@@ -128,6 +153,8 @@ class SessionFile:
         Recorded runs of the window, as JSON; no effect on a run.
     truth : TruthFile or None
         The ground truth that contours are compared with.
+    second : SecondFile or None
+        The second image; no effect on a run.
     pages : mapping
         The other pages of a stack, as JSON of the window; no effect on a run.
     """
@@ -143,6 +170,7 @@ class SessionFile:
     notes: Texts = ()
     runs: JsonObject = field(default_factory=dict)
     truth: TruthFile | None = None
+    second: SecondFile | None = None
     pages: JsonObject = field(default_factory=dict)
 
 
@@ -182,14 +210,15 @@ def encode_session(session: SessionFile, folder: Path) -> bytes:
     check_axes(session.shapes, session.image.shape if session.image else ())
     plain: JsonDict = {SESSION_MARK: SESSION_VERSION, "program": PROGRAM_NAME}
     if session.image is not None:
-        read = {name: to_json(given) for name, given in session.image.reading.arguments.items()}
-        plain["image"] = {**to_json(session.image), **_place_to_json(session.image.path, folder), "reading": read}
+        plain["image"] = _part_to_json(session.image, folder)
     plain["shapes"] = [shape_to_json(shape) for shape in session.shapes]
     plain["parameters"] = to_json(session.parameters)
     plain["mode"] = session.mode
     plain |= {"objects": to_json(session.objects), "outlined": to_json(session.outlined), "view": dict(session.view)}
     if session.truth is not None:
         plain["truth"] = {**to_json(session.truth), **_place_to_json(session.truth.path, folder)}
+    if session.second is not None:
+        plain["second"] = _part_to_json(session.second, folder)
     plain.update(session.extra)
     if session.runs:
         plain["runs"] = dict(session.runs)
@@ -256,6 +285,7 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             ),
             runs=read_optional("runs", "recorded runs were", partial(_expect_finite_entries, where="runs"), {}),
             truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile, where="truth"), None),
+            second=read_optional("second", "second image was", partial(from_json, SecondFile, where="second"), None),
             pages=read_optional(
                 "pages", "other pages of the stack were", partial(_expect_finite_entries, where="pages"), {}
             ),
@@ -310,6 +340,12 @@ def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
+
+
+def _part_to_json(part: ImageFile | SecondFile, folder: Path) -> JsonDict:
+    """Convert a part of a file to JSON, with those options of its reading that are not the default."""
+    read = {name: to_json(given) for name, given in part.reading.arguments.items()}
+    return {**to_json(part), **_place_to_json(part.path, folder), "reading": read}
 
 
 def _place_to_json(place: str, folder: Path) -> JsonDict:

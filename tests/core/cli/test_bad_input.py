@@ -1,7 +1,5 @@
 """Bad input of every command is one line on standard error with exit status 2, and nothing is written."""
 
-from pathlib import Path
-
 import numpy as np
 import PIL.Image
 import pytest

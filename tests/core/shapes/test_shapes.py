@@ -171,7 +171,7 @@ def test_every_shape_is_a_small_frozen_value_of_plain_numbers_under_a_name_of_it
     assert list(SHAPES_BY_NAME) == [
         "circle", "ellipse", "polygon", "stroke", "points", "grid", "threshold", "everywhere", "sphere", "box",
         "boxgrid", "boxthreshold", "region", "barrier", "boxregion", "prismregion", "wall", "enclosedregion",
-        "enclosingwall", "charge",
+        "enclosingwall", "charge", "ruler", "angle", "oval",
     ]  # fmt: skip
     for kind in SHAPES_BY_NAME.values():
         assert fields(kind)

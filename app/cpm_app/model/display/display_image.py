@@ -89,6 +89,14 @@ class DisplayImage:
         return DisplayImage(tuple(levels))
 
     @staticmethod
+    def from_labels(shades: Pixels) -> DisplayImage:
+        """Reduce shades that stand for labels, shape (H, W), by taking every other one, as means would be others."""
+        levels = [np.ascontiguousarray(shades)]
+        while max(levels[-1].shape) > _OVERVIEW_SIDE:
+            levels.append(np.ascontiguousarray(levels[-1][::2, ::2]))
+        return DisplayImage(tuple(levels))
+
+    @staticmethod
     def from_image(image: Image, window: IntensityWindow, channel: str = "luminance") -> DisplayImage:
         """Return the shades of a channel of an image in an intensity window."""
         whole = DisplayImage.from_shades(

@@ -12,7 +12,7 @@ from cpm_core import PRESETS, RUN_METHODS, Parameters
 from cpm_core.medial_axis import SkeletonTarget
 from cpm_core.numerics.types import frozen
 from cpm_core.parameters import PLANE_PARAMETERS, VOLUME_PARAMETERS
-from cpm_core.shapes import Everywhere, Limit, Shape
+from cpm_core.shapes import Everywhere, Limit, Measure, Shape
 
 
 @frozen
@@ -98,7 +98,7 @@ def find_effective_controls(mode: Mode, dimension: int = 2) -> frozenset[str]:
 
 
 def switch_mode(document: Document, mode: Mode) -> Document:
-    """Switch to another mode, with its preset and its starts; channel, regions, barriers and charges stay.
+    """Switch to another mode, with its preset and its starts; channel, regions, barriers, charges and measures stay.
 
     Shape recovery removes starts all over the image; automatic segmentation removes all others; skeletons, which need
     no start, keep all shapes.
@@ -117,7 +117,7 @@ def switch_to_skeleton(document: Document, outlined: SkeletonTarget) -> Document
 def adapt_shapes_to_mode(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     """Return the shapes of a document after a change to this mode."""
     if mode == "automatic":
-        return (*(shape for shape in shapes if isinstance(shape, Limit)), Everywhere("grid"))
+        return (*(shape for shape in shapes if isinstance(shape, Limit | Measure)), Everywhere("grid"))
     if mode == "shape":
         return tuple(shape for shape in shapes if not isinstance(shape, Everywhere))
     return shapes

@@ -11,13 +11,14 @@ from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.document.modes import MODES, switch_mode
 from cpm_app.model.text.language import tr
 from cpm_core import Parameters
-from cpm_core.formats import ImageFile, SessionFile
+from cpm_core.formats import ImageFile, SessionFile, locate_file
 from cpm_core.numerics.types import Texts
 
 _DOCUMENT_PART_NAMES = {
     "shapes": tr("the shapes"),
     "parameters": tr("the parameters"),
     "objects": tr("the objects"),
+    "second": tr("the second image"),
 }
 """Attributes of a document in words."""
 
@@ -38,6 +39,7 @@ def to_session_file(document: Document, view: View, before: SessionFile | None =
         mode=document.mode,
         objects=document.objects,
         outlined=document.outlined,
+        second=document.second,
         view=view,
         notes=(),
     )
@@ -63,8 +65,13 @@ def describe_changes(document: Document, known: Document | None) -> Texts:
     return found or (tr("your choices"),)
 
 
-def from_session_file(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
-    """Convert a session file to a document on its image, with parameters that suit the image."""
+def from_session_file(
+    file: SessionFile, image: ImageReference, parameters: Parameters, folder: Path | None = None
+) -> Document:
+    """Convert a session file in a folder to a document on its image, with parameters that suit the image."""
+    second = file.second
+    if second is not None:
+        second = replace(second, path=str(locate_file(second, folder or Path(image.path).parent)), absolute="")
     return Document(
         image,
         file.shapes,
@@ -72,4 +79,5 @@ def from_session_file(file: SessionFile, image: ImageReference, parameters: Para
         cast("Mode", file.mode) if file.mode in MODES else "shape",
         objects=file.objects,
         outlined=file.outlined,
+        second=second,
     )

@@ -15,6 +15,7 @@ from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_core import Contour, Result, Skeleton
 from cpm_core.numerics.types import frozen
 from cpm_core.shapes import (
+    Angle,
     Barrier,
     BoxGrid,
     BoxThreshold,
@@ -23,7 +24,9 @@ from cpm_core.shapes import (
     EnclosingWall,
     Everywhere,
     Grid,
+    Measure,
     Points,
+    Ruler,
     Shape,
     Stroke,
     Threshold,
@@ -126,6 +129,7 @@ def _describe_run_state(situation: Situation) -> str:
 def _suggest_next_action(situation: Situation) -> str:
     document, status, selected = situation.document, situation.status, situation.selected
     shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
+    drawn = any(not isinstance(each, Measure) for each in document.shapes)
     in_volume, usual = has_volume(situation), MODES[document.mode].hint
     if status.phase == "empty":
         message = tr("Open an image ({key:open}) or drop one here.")
@@ -144,16 +148,18 @@ def _suggest_next_action(situation: Situation) -> str:
         return insert_keys(
             message, shape=translate_core_text(shape.title), strength=localize_number(f"{abs(shape.strength):g}")
         )
+    elif isinstance(shape, Measure):
+        return _suggest_shape_actions(shape)
     elif status.started:
         message = ""
     elif not needs_start(document.mode):
         message = usual
-    elif not document.shapes and in_volume:
+    elif not drawn and in_volume:
         message = tr(
             "Drag to draw a sphere in or around an object; {key:previous_slice} and {key:next_slice} move "
             "through the slices."
         )
-    elif not document.shapes:
+    elif not drawn:
         message = tr("Drag on the image to draw a circle in or around an object.")
     elif not document.starts and in_volume:
         message = tr("Now draw a start for the particles: a sphere, a box, a stroke or points.")
@@ -181,7 +187,7 @@ def _suggest_shape_actions(shape: Shape) -> str:
     message = {
         **dict.fromkeys((Grid, BoxGrid), spaced),
         **dict.fromkeys((Threshold, BoxThreshold), strong),
-        **dict.fromkeys((Stroke, Points, Barrier, EnclosedRegion, EnclosingWall), moved),
+        **dict.fromkeys((Stroke, Points, Barrier, EnclosedRegion, EnclosingWall, Ruler, Angle), moved),
     }.get(
         type(shape),
         tr(

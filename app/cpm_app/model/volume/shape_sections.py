@@ -28,6 +28,7 @@ from cpm_core.shapes import (
     Everywhere,
     Extruded,
     Interest,
+    Measure,
     Points,
     Polygon,
     PrismRegion,
@@ -87,6 +88,11 @@ class Cut:
 Section = Shape | Cut
 
 
+def whole_shape(section: Section | None) -> Shape | None:
+    """Return the shape that a section is a cut of, or the shape itself."""
+    return section.shape if isinstance(section, Cut) else section
+
+
 def cut_shape(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
     """Cut a shape by a slice; empty where the slice does not show it.
 
@@ -126,6 +132,21 @@ def _iterate_cuts(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
             yield from _cut_particles(shape.seeds(), here)
     elif isinstance(shape, Points) and len(shape.positions[0]) == 3:
         yield from _cut_particles(shape.seeds(), here)
+    elif isinstance(shape, Measure) and shape.outline.shape[1] == 3:
+        yield from _cut_measure(shape, here)
+
+
+def _cut_measure(shape: Measure, here: Slice) -> Iterator[Cut]:
+    """Yield a measure in the slice that it lies in, else in all from its first to its last point.
+
+    Only handles in the slice are held.
+    """
+    along, flat = shape.outline[:, here.axis], np.ptp(shape.outline, axis=0) <= _IN_SLICE_DISTANCE
+    if (
+        flat[here.axis] or not flat.any()
+    ) and along.min() - _IN_SLICE_DISTANCE <= here.index <= along.max() + _IN_SLICE_DISTANCE:
+        held = (at for at in shape.handles() if abs(at[here.axis] - here.index) <= _IN_SLICE_DISTANCE)
+        yield Cut(shape, here.project_points(shape.outline), tuple(map(here.drop_axis, held)))
 
 
 def _cut_particles(seeds: Array, here: Slice) -> Iterator[Points]:
@@ -250,6 +271,8 @@ def build_shape_wires(shape: Shape, sides: Sides) -> Array:
     if isinstance(shape, Charge) and len(shape.position) == 3:
         ball = _outline_middle_cuts(Sphere(shape.position, CHARGE_RADIUS, sides))
         return np.concatenate([ball, _build_crosses(np.array([shape.position]), sides)])
+    if isinstance(shape, Measure) and shape.outline.shape[1] == 3:
+        return _split_into_segments(shape.outline)
     if isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
         return _split_into_segments(shape.outline) if len(shape.points) > 1 else _build_crosses(shape.outline, sides)
     if isinstance(shape, Points) and len(shape.positions[0]) == 3:

@@ -40,7 +40,7 @@ from cpm_core import (
     load_volume_truth,
 )
 from cpm_core.contours import DEFAULT_TOLERANCE, label_voxels, truth_from_contours
-from cpm_core.formats import TruthFile
+from cpm_core.formats import TruthFile, locate_file
 from cpm_core.numerics.types import record
 from cpm_core.results import boundaries_result
 
@@ -223,8 +223,7 @@ class ComparedResults(QObject):
     def restore_truth(self, file: TruthFile, folder: Path) -> None:
         """Load the ground truth of a session that lies in a folder."""
         self.tolerance, self.holes = file.tolerance, file.holes
-        beside = folder / file.path
-        self.load_truth_file(beside if beside.exists() or not file.absolute else file.absolute)
+        self.load_truth_file(locate_file(file, folder))
 
     def set_tolerance(self, tolerance: float) -> None:
         """Set the distance up to which boundaries count as the same [px]."""

@@ -106,7 +106,8 @@ class FollowedObjects(QObject):
         """Offer the followed objects on an opened page that has no objects yet."""
         session, number = self._session, self._pages.number
         if self._image is not session.image:
-            self._image, previous = session.image, self._find_previous_pages(number)
+            self._image = session.image
+            previous = self._find_previous_pages(number) if self._pages.has_images else ()
             source, largest = self._pages.source, self._pages.largest_number
 
             def find_proposals(partition: Partition, task: BackgroundTask) -> tuple[Proposal, ...]:

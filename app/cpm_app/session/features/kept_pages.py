@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, Literal, NamedTuple, TypeVar
 
 from cpm_app.model.display.page_rows import PageRow, collect_page_rows
 from cpm_app.model.document.document import Document, ImageReference
@@ -23,6 +23,7 @@ from cpm_core import Engine, Evolution, Image, Page, Result, load_pages
 from cpm_core.formats import (
     Pages,
     Reading,
+    SecondFile,
     decode_session,
     encode_session,
     expect_mapping,
@@ -33,23 +34,29 @@ from cpm_core.formats.sessions.recorded_run import RunRecorder, add_recorded_run
 from cpm_core.numerics.types import JsonDict, JsonObject, record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import PageFollower, StackResult, limit_scales, strip_image
-from cpm_core.shapes import SeedCache, Start, check_axes
+from cpm_core.shapes import Measure, SeedCache, Start, check_axes
 
 Entry = TypeVar("Entry")
 
 
+PageKind = Literal["page", "channel", "time"]
+"""What the pages of a file are."""
+
+
 @record
 class StackSource:
-    """A file whose pages are separate images.
+    """A file whose pages are separate images, or whose points in time or channels are separate volumes.
 
     Attributes
     ----------
     path : str
         The file.
     count : int
-        Number of its pages; 0 where nothing is open, or a volume.
-    by_channel : bool
-        Whether its pages are its channels, because it has neither planes nor times.
+        Number of its pages; 0 where there is one.
+    kind : {"page", "channel", "time"}
+        What they are: channels where an image has neither planes nor times, or a volume no times.
+    has_volumes : bool
+        Whether they are volumes, which are opened one by one, without a result of all.
     reading : Reading
         How its pages are read.
     default_page : int
@@ -58,35 +65,50 @@ class StackSource:
 
     path: str = ""
     count: int = 0
-    by_channel: bool = False
+    kind: PageKind = "page"
+    has_volumes: bool = False
     reading: Reading = field(default_factory=Reading)
     default_page: int = 1
 
     @classmethod
-    def from_file(cls, path: str, parts: FileParts | None, reading: Reading) -> StackSource:
-        """Describe the stack in a file."""
+    def from_file(cls, path: str, parts: FileParts | None, reading: Reading, in_volume: bool) -> StackSource:
+        """Describe the stack in a file, of which an image or a volume is open."""
         if parts is None:
             return cls(path)
-        by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1 and not parts.has_colors
-        count = parts.channels if by_channel else parts.pages
-        return cls(path, count if count > 1 else 0, by_channel, reading, parts.default_page)
+        by_channel = parts.times == 1 and parts.channels > 1 and not parts.has_colors
+        kind: PageKind = "time" if in_volume else "page"
+        if by_channel and (in_volume or parts.pages == 1):
+            kind = "channel"
+        count = {"page": parts.pages, "channel": parts.channels, "time": parts.times}[kind]
+        return cls(path, count if count > 1 else 0, kind, in_volume, reading, parts.default_page)
 
     def page_number(self, reading: Reading) -> int:
         """Return the number of the page that a reading selects."""
-        return (reading.channel or 1) if self.by_channel else (reading.page or self.default_page)
+        number: int | None = getattr(reading, self.kind)
+        return number or self._default
 
     def reading_for(self, number: int) -> Reading:
         """Return the reading of a page; the default page needs no number."""
-        selected = None if number == (1 if self.by_channel else self.default_page) else number
-        return replace(self.reading, channel=selected) if self.by_channel else replace(self.reading, page=selected)
+        selected: dict[str, Any] = {self.kind: None if number == self._default else number}
+        return replace(self.reading, **selected)
+
+    def follow_second(self, second: SecondFile | None, number: int) -> SecondFile | None:
+        """Return the second image of a page from that of another one: a channel of the file goes along in time."""
+        if second is None or second.path != self.path or self.kind != "time":
+            return second
+        return replace(second, reading=replace(second.reading, time=number))
+
+    @property
+    def _default(self) -> int:
+        """Number of the page that is read by default."""
+        return self.default_page if self.kind == "page" else 1
 
     @cached_property
     def pages(self) -> Pages:
         """The pages, each read from the file on access; not for use on the window's thread."""
         given = self.reading.arguments
-        given.pop("page", None)
-        if self.by_channel:
-            given.pop("channel", None)
+        for name in ("page", self.kind):
+            given.pop(name, None)
         return load_pages(self.path, **given)
 
 
@@ -136,10 +158,11 @@ def give_starts(document: Document, starts: tuple[Start, ...]) -> tuple[Document
 
 
 def without_results(document: Document) -> Document:
-    """Keep the settings of a document for another page: shapes, parameters, mode and classes, but no results."""
+    """Keep the settings of a document for another page: shapes, parameters, mode, classes; no results, no measures."""
     known = document.objects
     known = SegmentedObjects(classes=known.classes, category=known.category, may_overlap=known.may_overlap)
-    return Document(document.image, document.shapes, document.parameters, mode=document.mode, objects=known)
+    shapes = tuple(shape for shape in document.shapes if not isinstance(shape, Measure))
+    return Document(document.image, shapes, document.parameters, mode=document.mode, objects=known)
 
 
 def with_taken_numbers(document: Document, taken: int) -> Document:

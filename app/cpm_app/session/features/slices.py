@@ -11,6 +11,7 @@ import numpy as np
 
 from cpm_app.model.display.differences import cut_differences, cut_truth
 from cpm_app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
+from cpm_app.model.display.second_image import SecondImage
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.edits import ShapeHit, find_shape_at
 from cpm_app.model.volume.shape_sections import Section, cut_shape
@@ -84,6 +85,7 @@ class Sections:
             slices=slices,
             volume=volume,
             near_particles=near,
+            second=part(_slice_second, scene.second, here),
         )
 
     def _slice_lines(self, found: Reconstruction | None, here: Slice) -> Reconstruction | None:
@@ -126,6 +128,10 @@ class Sections:
 def _slice_image(volume: Image, here: Slice) -> Image:
     image = volume.slice_across(here.axis, here.index)
     return copy_with(image, stored=image.stored.T, spacing=image.spacing[::-1]) if here.transposed else image
+
+
+def _slice_second(second: SecondImage | None, here: Slice) -> SecondImage | None:
+    return None if second is None else replace(second, shades=here.slice_array(second.shades))
 
 
 def _slice_seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:

@@ -149,6 +149,11 @@ class StackPages(QObject):
         """Number of pages of the stack; 0 if no stack is open as pages."""
         return self.source.count
 
+    @property
+    def has_images(self) -> bool:
+        """Whether the pages are images, which are run and linked together."""
+        return self.count > 1 and not self.source.has_volumes
+
     def is_drawn(self, document: Document) -> bool:
         """Return whether the starts of the open page are drawn by the user, not from the previous page."""
         return not self._given_starts or document.starts != self._given_starts
@@ -227,6 +232,10 @@ class StackPages(QObject):
 
     def _make_fresh_page(self, number: int, here: KeptPage) -> KeptPage:
         """Make the state of an untouched page: with the shapes of the open page, or starts from the previous page."""
+        if self.source.has_volumes:
+            document = without_results(here.document)
+            document = replace(document, second=self.source.follow_second(here.document.second, number))
+            return KeptPage(document, saved_document=document)
         before = self._found_pages.get(number - 1) if self.following else None
         starts = () if before is None else starts_from_contours(before.contours)
         document, given = give_starts(without_results(here.document), starts)
@@ -252,7 +261,7 @@ class StackPages(QObject):
         """Run all pages from one on, in the background."""
         document = self._session.document
         self._session.messages.clear(RUNNING_CATEGORY)
-        if not self.count or self.running:
+        if not self.has_images or self.running:
             return
         if not document.starts:
             self._session.messages.show(document.nothing_to_start_from, True, RUNNING_CATEGORY)
@@ -310,10 +319,12 @@ class StackPages(QObject):
         """Keep the contours of the open page, once its run is at rest."""
         scene = self._session.scene
         shown = scene.result
-        if self.count and self._last_objects is not scene.document.objects:
+        if not self.has_images:
+            return
+        if self._last_objects is not scene.document.objects:
             self._last_objects = scene.document.objects
             self._link_soon()
-        if not self.count or shown is None or self._session.status.phase == "running":
+        if shown is None or self._session.status.phase == "running":
             return
         if shown is not self._last_result:
             self._last_result = shown
@@ -321,7 +332,7 @@ class StackPages(QObject):
             self._link_soon()
 
     def _link_soon(self) -> None:
-        if not self._later.isActive():
+        if self.has_images and not self._later.isActive():
             self._later.start(_LINK_DELAY_WHILE_RUNNING if self.running else _LINK_DELAY)
 
     def _link_pages(self) -> None:
@@ -374,8 +385,8 @@ class StackPages(QObject):
     def _begin_stack(self, opened: ImageOpened) -> None:
         """Begin the pages of another file, perhaps from a session that contains them."""
         self.cancel()
-        parts = opened.parts if opened.image.ndim == 2 else None
-        source = self.source = StackSource.from_file(str(opened.path), parts, opened.reading)
+        in_volume = opened.image.ndim == 3
+        source = self.source = StackSource.from_file(str(opened.path), opened.parts, opened.reading, in_volume)
         self.number = self.wanted_page = source.page_number(opened.reading)
         self._kept, self._found_pages, self._given_starts = {}, {}, ()
         self.table, self._linked, self._last_result, self._drawn = EMPTY_TABLE, {}, None, ()

@@ -12,6 +12,7 @@ from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_selection import ObjectSelection
 from cpm_app.session.features.outline_editing import OutlineEditing
+from cpm_app.session.features.second_images import SecondImages
 from cpm_app.session.features.slices import SliceNavigation
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.features.timeline_navigation import TimelineNavigation
@@ -35,6 +36,7 @@ class Workspace:
         self.navigation = TimelineNavigation(self.session)
         self.slices = SliceNavigation(self.session)
         self.comparison = ComparedResults(self.session, self.navigation)
+        self.second_images = SecondImages(self.session)
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""

@@ -16,7 +16,15 @@ from pathlib import Path
 from typing import Concatenate, ParamSpec
 
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.export import ExportKind, ExportOrder, describe_export, prepare_export, simplify_result
+from cpm_app.model.export import (
+    EXPORT_TITLES,
+    ExportKind,
+    ExportOrder,
+    describe_export,
+    encode_measures,
+    prepare_export,
+    simplify_result,
+)
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
@@ -163,7 +171,7 @@ def write_files(
         def is_wanted() -> bool:
             return not (task.is_over or context.closing())
 
-        run, needs_run = context.run, any(file.kind != "objects" for file in order.files)
+        run, needs_run = context.run, any(file.kind not in ("objects", "measures") for file in order.files)
         image = None if run.method is None else run.method.image
         source = None if document.image is None else document.image.path
         made: dict[tuple[ExportKind, bool], Result | Skeleton] = {}
@@ -174,6 +182,10 @@ def write_files(
                 return
             whole = None if found is None else run.with_provenance(found.result)
             for file in order.files:
+                if file.kind == "measures" and image is not None:
+                    contents.append((file.path, encode_measures(document, order, image)))
+                    counts.setdefault("measures", EXPORT_TITLES["measures"][0])
+                    continue
                 key = file.kind, order.should_simplify(file.suffix)
                 if key not in made:
                     result = prepare_export(whole, document, order, file.kind, image)

@@ -47,6 +47,7 @@ from cpm_core import Skeleton
 from cpm_core.formats import SURFACE_SUFFIXES, count_left_out
 from cpm_core.image import CONVENTIONS
 from cpm_core.numerics.types import frozen
+from cpm_core.shapes import select_measures
 
 _EXPORT_KEY_PREFIX = "export/"
 """Start of the preferences of this dialog."""
@@ -54,13 +55,20 @@ _EXPORT_KEY_PREFIX = "export/"
 CHECKED_FORMATS_KEY = _EXPORT_KEY_PREFIX + "formats"
 """Preference: the checked formats, each as kind and suffix."""
 
-DEFAULT_FORMATS = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
+DEFAULT_FORMATS = [
+    "objects:.table.csv",
+    "contours:.svg",
+    "surface:.stl",
+    "skeleton:.svg",
+    "lines:.swc",
+    "measures:.csv",
+]
 """Formats that are checked until the user checks others."""
 
 _SLOW_KINDS = frozenset({"turntable", "run"})
 """Kinds that take long and are never written unasked."""
 
-_PICTURE_KINDS = frozenset({"pages", "space", "turntable", "run"})
+_UNCOUNTED_KINDS = frozenset({"pages", "measures", "space", "turntable", "run"})
 """Kinds that the summary only names, without counting their contents."""
 
 _LIST_WIDTH = 430
@@ -296,6 +304,7 @@ class ExportDialog(QDialog):
             counts["contours"] = len(self._result.contours)
         counts |= {
             "pages": exportable.page_count,
+            "measures": len(select_measures(scene.document.shapes)),
             "space": exportable.has_space_view,
             "turntable": exportable.has_space_view,
             "run": exportable.last_step > 0,
@@ -337,7 +346,7 @@ class ExportDialog(QDialog):
         problem = "" if order.files else tr("Choose what to export.")
         for what in dict.fromkeys(file.kind for file in order.files):
             suffixes = [file.suffix for file in order.files if file.kind == what]
-            if what in _PICTURE_KINDS:
+            if what in _UNCOUNTED_KINDS:
                 parts.append(EXPORT_TITLES[what][0])
                 continue
             result = prepare_export(self._result, document, order, what, self._image)

@@ -8,6 +8,7 @@ from cpm_app.views.features.edit import DrawFeature, ModesFeature, UndoSelection
 from cpm_app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFeature, ImportFeature
 from cpm_app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from cpm_app.views.features.help import HelpFeature, PreferencesFeature
+from cpm_app.views.features.measures import MeasuresFeature
 from cpm_app.views.features.objects import ObjectsFeature
 from cpm_app.views.features.offers import FilePartsFeature, InitialSettingsFeature, PixelSizeFeature
 from cpm_app.views.features.project import ProjectFeature
@@ -16,6 +17,7 @@ from cpm_app.views.features.run import (
     TasksFeature,
     TimelineFeature,
 )
+from cpm_app.views.features.second_image import SecondImageFeature
 from cpm_app.views.features.view import KeyboardFeature, LayersFeature
 from cpm_app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
 from cpm_app.views.window.window import Feature
@@ -32,6 +34,7 @@ WINDOW_FEATURES: tuple[type[Feature], ...] = (
     UndoSelectionFeature,
     ClipboardFeature,
     ImportFeature,
+    SecondImageFeature,
     DrawFeature,
     RunControlFeature,
     TimelineFeature,
@@ -46,6 +49,7 @@ WINDOW_FEATURES: tuple[type[Feature], ...] = (
     SlicesFeature,
     PagesFeature,
     SpaceFeature,
+    MeasuresFeature,
     KeyboardFeature,
     PreferencesFeature,
     HelpFeature,

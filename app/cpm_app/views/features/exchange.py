@@ -39,7 +39,7 @@ from cpm_app.views.window.dialogs import ALL_FILES, FileKind, QuestionDialog
 from cpm_app.views.window.window import Feature
 from cpm_core.formats import CENTERLINES_WRITABLE, CONTOURS_READABLE, IMAGES_READABLE, SURFACES_READABLE
 from cpm_core.numerics.types import Texts
-from cpm_core.shapes import Points
+from cpm_core.shapes import Points, select_measures
 
 
 class ExportFeature(Feature):
@@ -127,6 +127,7 @@ def _can_export(situation: Situation) -> bool:
         has_contours(situation)
         or situation.status.surface is not None
         or has_objects_to_export(situation.document)
+        or bool(select_measures(situation.document.shapes))
         or has_particles(situation)
         or has_volume(situation)
     )

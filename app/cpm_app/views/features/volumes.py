@@ -69,10 +69,10 @@ class SlicesFeature(Feature):
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def has_several_slices(situation: Situation) -> bool:
-            return has_volume(situation) or pages.count > 1
+            return has_volume(situation) or pages.has_images
 
         def move_by(by: int) -> Callback:
-            return lambda: (pages if pages.count else slices).go_by(by)
+            return lambda: (pages if pages.has_images else slices).go_by(by)
 
         def create_axis_action(axis: int) -> ActionSpec:
             name = AXIS_NAMES[axis]
@@ -198,7 +198,7 @@ class PagesFeature(Feature):
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def is_stack(_: Situation) -> bool:
-            return pages.count > 1
+            return pages.has_images
 
         def can_run(situation: Situation) -> bool:
             return situation.document.mode != "skeleton" and bool(situation.document.starts)
@@ -233,8 +233,9 @@ class PagesFeature(Feature):
     # Internal
 
     def _on_pages_changed(self) -> None:
-        self.bar.show_page(self._pages.number, self._pages.count)
-        self.window.docks.set_tab_available("pages", self._pages.count > 1)
+        pages = self._pages
+        self.bar.show_page(pages.number, pages.count, pages.source)
+        self.window.docks.set_tab_available("pages", pages.has_images)
         self.window.refresh_actions()
 
 

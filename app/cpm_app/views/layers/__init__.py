@@ -15,8 +15,10 @@ from cpm_app.views.layers.fields import EdgeMapLayer, FieldLayer, PotentialLayer
 from cpm_app.views.layers.forces import ForceLayer
 from cpm_app.views.layers.image_layer import ImageLayer
 from cpm_app.views.layers.layer import Layer, LegendEntry, WorkerRequests
+from cpm_app.views.layers.measures import MeasureLayer
 from cpm_app.views.layers.objects import ObjectLayer
 from cpm_app.views.layers.particles import ParticleLayer
+from cpm_app.views.layers.second_image import SecondImageLayer
 from cpm_app.views.layers.skeleton import SkeletonLayer
 
 L = TypeVar("L", bound=Layer)
@@ -29,10 +31,12 @@ LAYER_CLASSES: tuple[type[Layer], ...] = (
     TruthLayer,
     SkeletonLayer,
     DrawingLayer,
+    MeasureLayer,
     StartAreaLayer,
     EdgeMapLayer,
     PotentialLayer,
     FieldLayer,
+    SecondImageLayer,
     ImageLayer,
     ScaleBarLayer,
     OrientationLayer,
@@ -49,6 +53,7 @@ class Layers:
         self.forces = self._get_layer(ForceLayer)
         self.contours = self._get_layer(ContourLayer)
         self.drawing = self._get_layer(DrawingLayer)
+        self.measures = self._get_layer(MeasureLayer)
         self.image = self._get_layer(ImageLayer)
 
     def __getitem__(self, name: str) -> Layer:

@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from cpm_app.model.text.language import tr
-from cpm_app.model.volume.shape_sections import Cut, Section, cut_sphere
+from cpm_app.model.volume.shape_sections import Section, cut_sphere, whole_shape
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.discs import NO_POSITIONS, Discs
@@ -35,10 +35,10 @@ from cpm_core.shapes import (
     Grid,
     Interest,
     Limit,
+    Measure,
     Points,
     Polygon,
     SeedingKind,
-    Shape,
     Sphere,
     Start,
     Stroke,
@@ -308,7 +308,7 @@ class DrawingLayer(Layer):
         self._lines.show_paths(_shape_outlines(rest, _Line))
         self._areas.show_paths(_shape_outlines(rest, _Area))
         chosen = [] if selected is None else [selected]
-        self._selected_lines.show_paths(_shape_outlines(chosen, _Line | _Area | Limit))
+        self._selected_lines.show_paths(_shape_outlines(chosen, _Line | _Area | Limit | Measure))
         # A selected circle shows handles; a selected stroke can be recognized only by its particles.
         pointed = _shape_seeds(chosen, Points | Stroke)
         self._selected_points.show_discs(pointed)
@@ -329,11 +329,11 @@ class DrawingLayer(Layer):
     def _show_limits_and_charges(self) -> None:
         """Show regions, barriers and placed charges."""
         selected, shapes = self.selected_shape, self._shapes
-        regions = [shape for shape in shapes if isinstance(_whole_shape(shape), Interest)]
+        regions = [shape for shape in shapes if isinstance(whole_shape(shape), Interest)]
         self._dim.show_regions(regions)
         self._regions.show_paths(_shape_outlines(regions, Interest))
         self._barriers.show_paths(_shape_outlines(shapes, Barrier))
-        found = [(shape, whole) for shape in shapes if isinstance(whole := _whole_shape(shape), Charge)]
+        found = [(shape, whole) for shape in shapes if isinstance(whole := whole_shape(shape), Charge)]
         rings = [(self._ring_outline(whole.position, CHARGE_RADIUS), _charge_color(whole)) for _, whole in found]
         self._rings.show_paths([ring for ring, _ in rings], [color for _, color in rings])
         reaching = [whole.position for shape, whole in found if shape is selected]
@@ -359,7 +359,7 @@ class DrawingLayer(Layer):
         """Set the opacity; starts are faint behind a run."""
         super().apply_opacity()
         selected = self.selected_shape
-        if self.scene.has_particles and not isinstance(_whole_shape(selected), Start):
+        if self.scene.has_particles and not isinstance(whole_shape(selected), Start):
             for item in self._starts:
                 item.setOpacity(self.opacity * _BEHIND_RUN_OPACITY)
         for kind, discs in self.computed.items():
@@ -372,14 +372,9 @@ def _create_shape_curves(color: str, z: float, width: float, halo: float = 3.6, 
     return Curves(color, z, width, halo, dashed, "shapes")
 
 
-def _whole_shape(section: Section | None) -> Shape | None:
-    """Return the shape that a section is a cut of, or the shape itself."""
-    return section.shape if isinstance(section, Cut) else section
-
-
 def _shape_outlines(shapes: Sequence[Section], kinds: Any) -> list[Array]:
     """Return the outlines, each of shape (K, 2), of shapes of some kinds; a region in other slices has none."""
-    found = (shape.outline for shape in shapes if isinstance(_whole_shape(shape), kinds))
+    found = (shape.outline for shape in shapes if isinstance(whole_shape(shape), kinds))
     return [np.array(outline) for outline in found if len(outline)]
 
 
@@ -389,7 +384,7 @@ def _charge_color(charge: Charge) -> str:
 
 def _shape_seeds(shapes: Sequence[Any], kinds: Any) -> Array:
     """Return the particles, shape (N, 2), of shapes of some kinds, all of which have particles."""
-    return _concatenate_positions([shape.seeds() for shape in shapes if isinstance(_whole_shape(shape), kinds)])
+    return _concatenate_positions([shape.seeds() for shape in shapes if isinstance(whole_shape(shape), kinds)])
 
 
 def _concatenate_positions(positions: Sequence[Array]) -> Array:

@@ -20,6 +20,7 @@ from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.display.plots import PageMetrics, build_page_plots, select_plotted_tracks
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
+from cpm_app.session.features.kept_pages import StackSource
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.views.panels.run import Chart
 from cpm_app.views.panels.tables import CellIndex, Column, SortableTable, TableModel
@@ -156,21 +157,33 @@ class PagePanel(QWidget):
         self.chart.show_metrics(PageMetrics.from_rows(rows, count, pages.number, size.factor))
 
 
+_KIND_TITLES = {"page": tr("Page"), "channel": tr("Channel"), "time": tr("Time")}
+"""Label of the number of a page by what the pages of a file are."""
+
+
 class PageBar(PlaceBar):
-    """Slider and number of the page, and buttons that follow objects and run all pages."""
+    """Slider and number of the page, time or channel, and buttons that follow objects and run all pages."""
 
     def __init__(self) -> None:
         super().__init__(tr("Page"), tr("Number of the page"))
         self.slider.setTracking(False)
+        self._of_volumes = False
         self.follow, self.run = ActionButton("follow_pages"), ActionButton("run_pages")
-        fields = (QLabel(tr("Page")), self.slider, self.number, self.total_label, self.follow, self.run)
+        self._title = QLabel()
+        fields = (self._title, self.slider, self.number, self.total_label, self.follow, self.run)
         fill_layout(QHBoxLayout(self), *fields, margins=(10, 3, 10, 3), spacing=4, wide=self.slider).insertSpacing(4, 8)
 
     def show_keys(self) -> None:
         """Name the current keys in the tooltip."""
-        self.slider.setToolTip(insert_keys(tr("Move through the pages: {key:previous_slice} and {key:next_slice}.")))
+        tip = insert_keys(tr("Move through the pages: {key:previous_slice} and {key:next_slice}."))
+        self.slider.setToolTip("" if self._of_volumes else tip)
 
-    def show_page(self, number: int, count: int) -> None:
+    def show_page(self, number: int, count: int, source: StackSource) -> None:
         """Show which page is open; hide the bar unless there are several."""
+        self._title.setText(_KIND_TITLES[source.kind])
+        self._of_volumes = source.has_volumes
+        for button in (self.follow, self.run):
+            button.setVisible(not source.has_volumes)
+        self.show_keys()
         self.setVisible(count > 1)
         self.show_position(number, 1, max(count, 1))

@@ -115,6 +115,9 @@ WRONG_COLOR = "#ffe14d"
 AREA_COLOR = "#9ccc65"
 """Area of a start."""
 
+MEASURE_COLOR = "#ffd166"
+"""Rulers, angles and measuring ellipses."""
+
 REGION_COLOR = "#b48cff"
 """Regions of interest."""
 

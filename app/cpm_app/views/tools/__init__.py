@@ -8,6 +8,7 @@ from itertools import chain
 from cpm_app.model.text.language import tr
 from cpm_app.views.tools.brush_tools import EraserTool, SprayTool
 from cpm_app.views.tools.gesture_tools import AttractTool, CircleTool, EllipseTool, PointTool, RepelTool
+from cpm_app.views.tools.measure import AngleTool, OvalTool, RulerTool
 from cpm_app.views.tools.mend import MendTool
 from cpm_app.views.tools.objects import ObjectTool
 from cpm_app.views.tools.outline import OutlineTool
@@ -22,6 +23,7 @@ AUTO_GROUP = tr("Auto")
 TOOLS_BY_GROUP: Mapping[str, tuple[type[Tool], ...]] = {
     tr("Objects"): (ObjectTool, OutlineTool),
     tr("Select"): (SelectTool, EraserTool),
+    tr("Measure"): (RulerTool, AngleTool, OvalTool),
     tr("Mend"): (MendTool, SplitTool),
     tr("Circle"): (CircleTool, EllipseTool, PolygonTool),
     tr("Stroke"): (StrokeTool, PointTool, SprayTool),

@@ -26,7 +26,7 @@ from cpm_app.views.theme.theme import Ink, get_canvas_style
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeTruth
 from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.shapes import Charge, Interest, Limit, Shape, relative_sides
+from cpm_core.shapes import Charge, Interest, Limit, Measure, Shape, relative_sides
 
 _NO_SURFACES: Mapping[int, Surface] = MappingProxyType({})
 """No surfaces of painted objects."""
@@ -132,6 +132,8 @@ def _build_wires(
         ink: Ink | str = theme.REGION_COLOR if isinstance(shape, Interest) else theme.MOVING_COLOR
         if isinstance(shape, Charge):
             ink = theme.ATTRACTING_COLOR if shape.strength > 0.0 else theme.REPELLING_COLOR
+        elif isinstance(shape, Measure):
+            ink = theme.MEASURE_COLOR
         elif isinstance(shape, Limit) and not isinstance(shape, Interest):
             ink = theme.BARRIER_COLOR
         colors.append(np.tile(_to_rgb(theme.SELECTED_COLOR if index == selected else ink), (len(each), 1)))

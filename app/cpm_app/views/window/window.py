@@ -116,6 +116,9 @@ class MainWindow(QMainWindow):
     urls_dropped = Signal(list)
     """URLs of files were dropped on the window or pasted."""
 
+    overlay_dropped = Signal(list)
+    """URLs of files were dropped on the window with Shift."""
+
     def __init__(
         self, workspace: Workspace, features: Sequence[type[Feature]], preferences: Preferences | None = None
     ) -> None:
@@ -219,9 +222,10 @@ class MainWindow(QMainWindow):
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        """Open the dropped files."""
+        """Open the dropped files, or with Shift put one over the image."""
         event.acceptProposedAction()
-        self.urls_dropped.emit(event.mimeData().urls())
+        over = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
+        (self.overlay_dropped if over else self.urls_dropped).emit(event.mimeData().urls())
 
     def _on_image_changed(self) -> None:
         """Switch to the first tool if the tool in use does not work in volumes."""

@@ -1,0 +1,64 @@
+"""A second image over the first: opened by the menu, another channel, or dropped with Shift; and removed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QUrl
+from PySide6.QtWidgets import QMenu
+
+from cpm_app.model.state.situation import has_image
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.messages import ImageOpened
+from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_menu_action
+from cpm_app.views.window.dialogs import ALL_FILES, FileKind
+from cpm_app.views.window.window import Feature
+from cpm_core.formats import IMAGES_READABLE
+
+
+class SecondImageFeature(Feature):
+    """Opening and removal of the second image."""
+
+    def set_up(self) -> None:
+        """Create the actions and connect them to what they depend on."""
+        self._images = self.window.workspace.second_images
+        self._channels = 1
+        self.window.overlay_dropped.connect(self._on_dropped)
+        self.session.store.add_listener(ImageOpened, self._on_image_opened)
+        self.actions = (
+            ActionSpec("overlay", "File", "O&verlay an image…",
+                       "Show a label map or another image over this one, by its place in space; or drop it with Shift.",
+                       self._ask_for_file, when=has_image),
+            Submenu("overlay_channel", "File", "Overlay a &channel", self._fill_channels),
+            ActionSpec("remove_overlay", "File", "Remove the over&lay", "Show the image alone again.",
+                       self._images.remove, when=lambda now: bool(now.document.second)),
+        )  # fmt: skip
+
+    def _ask_for_file(self) -> None:
+        kinds = (FileKind(tr("Images"), tuple(IMAGES_READABLE)), ALL_FILES)
+        chosen = self.window.files.ask_for_file("open", tr("Overlay an image"), kinds)
+        if chosen is not None:
+            self._images.open_file(chosen)
+
+    def _on_image_opened(self, opened: ImageOpened) -> None:
+        self._channels = 1 if opened.parts is None or opened.parts.has_colors else opened.parts.channels
+
+    def _fill_channels(self, menu: QMenu) -> None:
+        """List the channels that are not open."""
+        image = self.session.document.image
+        shown = 1 if image is None else image.reading.channel or 1
+        for channel in range(1, self._channels + 1):
+            if image is not None and channel != shown:
+                reading = replace(image.reading, channel=channel)
+                overlay = partial(self._images.open_file, Path(image.path), reading)
+                add_menu_action(menu, tr("channel {number}", number=channel), overlay)
+
+    def _on_dropped(self, urls: Sequence[QUrl]) -> None:
+        """Overlay the first dropped file; without an image, open it."""
+        if self.session.image is None or not urls[0].isLocalFile():
+            self.window.urls_dropped.emit(urls)
+        else:
+            self._images.open_file(Path(urls[0].toLocalFile()))
