@@ -31,7 +31,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "objects": (
         "Objects selected by prompts",
         ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition",
-         "objects_result", "notebook_view", "NotebookView"),
+         "objects_result", "MODELS", "LargerModel", "fetch_model", "notebook_view", "NotebookView"),
     ),
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines")),
     "files": (

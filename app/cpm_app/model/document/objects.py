@@ -182,7 +182,7 @@ def object_from_selection(selection: Selection, clicks: Clicks, number: int, cat
         return SegmentedObject(number, clicks, Region.from_surface(exact), category=category)
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _SESSION_DECIMALS)
     item = object_from_contours(number, category, selection.contours, selection.gaps)
-    return replace(item, clicks=clicks, confidence=confidence)
+    return replace(item, clicks=clicks, confidence=confidence, model=selection.model)
 
 
 # The objects
