@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, NoReturn
 import argcomplete
 from argcomplete.shell_integration import shellcode
 
-from cpm_core.cli import batch, bench, compare, export, info, run, skeleton
+from cpm_core.cli import batch, bench, compare, export, info, model, run, skeleton
 from cpm_core.cli.inputs import expand_paths, find_only_image
 from cpm_core.cli.output import print_message
 from cpm_core.formats.common.provenance import VERSION
@@ -96,6 +96,14 @@ CLI_COMMANDS = {
             "cpm compare cell.png --circle 120,80,30 --truth cell_mask.png",
             "cpm compare cell.png --circle 120,80,30 --methods cpm gvf --export table.csv",
         ),
+    ),
+    "model": CliCommand(
+        "fetch a larger model that answers prompts",
+        "List the larger models that answer --object in place of the network, or fetch one, once. They need the extra "
+        "sam. Images stay on this computer.",
+        model.add_arguments,
+        model.show_models,
+        ("cpm model", "cpm model sam2:tiny", "cpm run cell.png --object 120,80 --model sam2:tiny --export cell.svg"),
     ),
     "info": CliCommand(
         "show the properties of an image or volume",

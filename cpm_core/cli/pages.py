@@ -59,7 +59,7 @@ def run_pages(request: RunRequest) -> int:
 
     if request.positive_points:
         positive, negative = np.array(request.positive_points), np.array(request.negative_points)
-        runs = follow_objects(pages, segment_page, positive, negative, numbers)
+        runs = follow_objects(pages, segment_page, positive, negative, numbers, request.model)
     else:
         fresh = not request.follows_pages
         runs = follow_pages(pages, compute_page_seeds, parameters, numbers=numbers, fresh=fresh, **limits)

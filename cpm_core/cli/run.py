@@ -108,6 +108,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     ):  # fmt: skip
         group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
     named.add_argument(
+        "--model",
+        metavar="NAME|FOLDER",
+        default="",
+        help="the larger model that answers --object in place of the network: see cpm model; or a folder with two "
+        "files, *encoder*.onnx and *decoder*.onnx",
+    )
+    named.add_argument(
         "--objects",
         action="store_true",
         help="the objects that the run proposes, as the window does: of a start everywhere all of the image, of drawn "
@@ -230,7 +237,7 @@ def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:
         return result.objects
     if not request.positive_points:
         return None
-    chosen = partition(result).select(request.positive_points, request.negative_points)
+    chosen = partition(result, model=request.model).select(request.positive_points, request.negative_points)
     if len(chosen.shape) == 3 and (chosen.prediction is not None or not chosen.has_boundary):
         raise ValueError("There is no object at this position: name one that the surface encloses.")
     if not chosen.has_boundary:

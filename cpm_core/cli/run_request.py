@@ -43,6 +43,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject, Texts, frozen
+from cpm_core.objects.prior.larger_models import check_model
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.evolve import DEFAULT_METHOD
 from cpm_core.shapes import Barrier, Circle, Everywhere, Points, PolygonRegion, SeedingKind, Shape, Sphere, Stroke
@@ -91,6 +92,8 @@ class RunRequest:
         Limits in a volume, with those of the session; None where only the session has some.
     positive_points, negative_points : sequence of tuple of float
         Places inside and outside an object (row, col) or (plane, row, col) [px].
+    model : str
+        The larger model that answers there; empty for the network.
     all_objects : bool
         Whether all objects are found.
     pages : str or None
@@ -125,6 +128,7 @@ class RunRequest:
     volume_regions: VolumeRegions | None
     positive_points: Sequence[tuple[float, ...]]
     negative_points: Sequence[tuple[float, ...]]
+    model: str
     all_objects: bool
     pages: str | None
     follows_pages: bool
@@ -164,6 +168,9 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
     numbers = _parse_option_numbers(arguments, is_volume)
     if numbers["not"] and not numbers["object"]:
         raise ValueError("--not is given without --object: name a position inside the object as well.")
+    if arguments.model and not numbers["object"]:
+        raise ValueError("--model is given without --object: name a position inside the object as well.")
+    check_model(arguments.model, 3 if is_volume else 2)
     if arguments.objects:
         refuse_options(arguments, ("object", "pages"), "one object, or a stack, but --objects finds those of a run")
     preset = arguments.preset or ("volume" if is_volume and not arguments.session else None)
@@ -194,6 +201,7 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
         volume_regions=_build_volume_regions(numbers, session) if is_volume else None,
         positive_points=numbers["object"],
         negative_points=numbers["not"],
+        model=arguments.model,
         all_objects=arguments.objects,
         pages=arguments.pages,
         follows_pages=arguments.follow,

@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,11 @@ class LargerModel:
     title: str
     megabytes: int
     license: str = "Apache License 2.0"
+
+    @property
+    def summary(self) -> str:
+        """Its title, size and license on one line."""
+        return f"{self.title}: {self.megabytes} MB, {self.license}"
 
 
 MODELS = {
@@ -100,8 +106,8 @@ def fetch_model(name: str, progress: Callable[[float], object] = lambda _: None)
 
 
 def is_fetched(name: str) -> bool:
-    """Return whether the weights of one of `MODELS` are on this computer; ValueError without osam."""
-    return _find_kind(name).get_size() is not None
+    """Return whether the weights of one of `MODELS` are on this computer, and osam, which runs them."""
+    return find_spec("osam") is not None and _find_kind(name).get_size() is not None
 
 
 def check_model(name: str, ndim: int) -> None:
@@ -185,9 +191,10 @@ def _find_kind(name: str) -> Any:
 def _find_files(name: str) -> dict[str, Path]:
     """Find the files of an encoder and a decoder; ValueError when they are not on this computer."""
     if name in MODELS:
+        kind = _find_kind(name)
         if not is_fetched(name):
             raise ValueError(f"{MODELS[name].title} is not on this computer: fetch it once by cpm model {name}.")
-        return {part: Path(blob.path) for part, blob in _find_kind(name)._blobs.items()}
+        return {part: Path(blob.path) for part, blob in kind._blobs.items()}
     files = {part: sorted(Path(name).glob(f"*{part}*.onnx")) for part in ("encoder", "decoder")}
     if any(len(found) != 1 for found in files.values()):
         raise ValueError(

@@ -11,7 +11,7 @@ from onnx import parser
 
 HEAD = '<ir_version: 8, opset_import: ["" : 17]>'
 
-SEEN_SIDE = 128
+SEEN_SIDE = 256
 
 ENCODERS = {
     "efficientsam": f"""{HEAD} encoder (float[1, 3, H, W] batched_images) => (float[1, 1, H, W] image_embeddings) {{

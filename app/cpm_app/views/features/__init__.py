@@ -8,6 +8,7 @@ from cpm_app.views.features.edit import DrawFeature, ModesFeature, UndoSelection
 from cpm_app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFeature, ImportFeature
 from cpm_app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from cpm_app.views.features.help import HelpFeature, PreferencesFeature
+from cpm_app.views.features.models import LargerModelFeature
 from cpm_app.views.features.objects import ObjectsFeature
 from cpm_app.views.features.offers import FilePartsFeature, InitialSettingsFeature, PixelSizeFeature
 from cpm_app.views.features.project import ProjectFeature
@@ -38,6 +39,7 @@ WINDOW_FEATURES: tuple[type[Feature], ...] = (
     TasksFeature,
     ModesFeature,
     InitialSettingsFeature,
+    LargerModelFeature,
     FilePartsFeature,
     PixelSizeFeature,
     ObjectsFeature,
