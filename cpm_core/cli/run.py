@@ -109,10 +109,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
     named.add_argument(
         "--model",
-        metavar="NAME|FOLDER",
+        metavar="NAME|FOLDER|ADDRESS",
         default="",
         help="the larger model that answers --object in place of the network: see cpm model; or a folder with two "
-        "files, *encoder*.onnx and *decoder*.onnx",
+        "files, *encoder*.onnx and *decoder*.onnx; in a volume the address of a server of nnInteractive",
     )
     named.add_argument(
         "--objects",
@@ -238,7 +238,7 @@ def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:
     if not request.positive_points:
         return None
     chosen = partition(result, model=request.model).select(request.positive_points, request.negative_points)
-    if len(chosen.shape) == 3 and (chosen.prediction is not None or not chosen.has_boundary):
+    if len(chosen.shape) == 3 and ((chosen.prediction is not None and not chosen.model) or not chosen.has_boundary):
         raise ValueError("There is no object at this position: name one that the surface encloses.")
     if not chosen.has_boundary:
         raise ValueError("There is no object at this position: name another one inside it.")

@@ -157,7 +157,7 @@ def partition_without_run(
     """Prepare an image or a volume without a run, so that the network or a model answers all prompts."""
     check_model(model, image.ndim)
     if image.ndim == 3:
-        return VolumePartition(image, regions=regions)
+        return VolumePartition(image, regions=regions, model=model)
     return Partition(image, (), plane_regions(regions), channel, model=model)
 
 

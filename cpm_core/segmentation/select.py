@@ -40,7 +40,8 @@ def partition(
         Parameters of the run on an image.
     model : str, optional
         The larger model that answers prompts on an image in place of the network: one of `MODELS`, once `fetch_model`
-        has fetched it, or a folder with the ONNX files of an encoder and a decoder.
+        has fetched it, or a folder with the ONNX files of an encoder and a decoder. In a volume the address of a server
+        of nnInteractive, ``"http://..."``, which gets the volume and the points.
 
     Returns
     -------
@@ -61,9 +62,13 @@ def partition(
     image = require_image(values) if isinstance(values, Result) else as_image(values)
     check_model(model, image.ndim)
     if isinstance(values, Result):
-        return Partition.from_result(values, model) if values.surface is None else VolumePartition.from_result(values)
+        return (
+            Partition.from_result(values, model)
+            if values.surface is None
+            else VolumePartition.from_result(values, model)
+        )
     if image.ndim == 3:
-        return VolumePartition(image)
+        return VolumePartition(image, model=model)
     return Partition.from_result(_run_everywhere(image, parameters), model)
 
 

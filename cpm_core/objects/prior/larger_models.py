@@ -111,15 +111,25 @@ def is_fetched(name: str) -> bool:
 
 
 def check_model(name: str, ndim: int) -> None:
-    """Raise ValueError unless a name is empty, or of a model that is on this computer and answers in these axes."""
-    if name and ndim == 3:
-        raise ValueError(f"{model_title(name)} answers in images, not in volumes: leave the model out.")
-    if name:
+    """Raise ValueError unless a name is empty, or of a model that can answer in images (2) or volumes (3).
+
+    In images it must be on this computer; in volumes it is the address of a server, which is not asked yet.
+    """
+    is_server = name.startswith(("http://", "https://"))
+    if name and is_server != (ndim == 3):
+        here, there = ("volumes", "images") if is_server else ("images", "volumes")
+        raise ValueError(f"{model_title(name)} answers in {here}, not in {there}: leave the model out.")
+    if is_server and find_spec("nnInteractive") is None:
+        raise ValueError(
+            "A server needs the package nninteractive-client, which is not installed: run pip install "
+            '"cpm-particles[server]".'
+        )
+    if name and not is_server:
         _find_files(name)
 
 
 def model_title(name: str) -> str:
-    """Return the name of a model for files, which is that of its folder alone; empty for the network."""
+    """Return the name of a model for files: of a folder its own name, of a server the host; empty for the network."""
     return name if name in MODELS else Path(name).name
 
 

@@ -198,11 +198,16 @@ MODEL_FOLDER = TextPreference(
     name="objects/model_folder", label=tr("Folder of a model"), default="",
     note=tr("With two files: *encoder*.onnx and *decoder*.onnx."),
 )  # fmt: skip
+SERVER_ADDRESS = TextPreference(
+    name="objects/server", label=tr("Server for volumes"), default="",
+    note=tr("Address of a server of nnInteractive, http://…, which answers clicks in volumes and needs the extra server. "
+            "Volumes are sent there; without an address, nothing is sent."),
+)  # fmt: skip
 
 PREFERENCES_BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
     "general": (LANGUAGE_PREFERENCE, THEME_PREFERENCE, UNIT_PREFERENCE, WHEEL_PREFERENCE),
     "appearance": (CONTOUR_WIDTH, SHAPE_WIDTH, POINT_SIZE, *INK_PREFERENCES.values()),
-    "objects": (MODEL_PREFERENCE, MODEL_FOLDER),
+    "objects": (MODEL_PREFERENCE, MODEL_FOLDER, SERVER_ADDRESS),
     "files": (AUTOSAVE_PREFERENCE, SAVE_IN_FOLDER),
     "run": (KEEP_PARAMETERS, OFFER_SETTINGS, TIMELINE_MEMORY),
 }

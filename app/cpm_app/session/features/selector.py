@@ -86,7 +86,7 @@ class PartitionUpdater(QObject):
         self.has_failed = False
         """Whether the partition that was asked for last could not be made."""
         self._everywhere: PreparedPartition | None = None
-        self._model = ""
+        self._models = {2: "", 3: ""}
         self._task = ENDED_TASK
         self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
         self._quiet = QTimer(self, singleShot=True, interval=_PARTITION_DELAY)
@@ -122,23 +122,23 @@ class PartitionUpdater(QObject):
             if isinstance(source, EverywhereRun):
                 alone = source.image.ndim == 3 or math.prod(source.image.shape) > MAX_OFFERED_PIXELS
                 if self.partition is None or alone:  # usable at once; contours follow
-                    model = self._model if source.image.ndim == 2 else ""
+                    model = self._models[source.image.ndim]
                     bare = partition_without_run(source.image, source.regions, source.parameters.channel, model)
                     self._set_partition((source, bare))
                 if not alone:
                     self._start_run_everywhere(source)
             else:
-                model = self._model if source.surface is None else ""
+                model = self._models[2 if source.surface is None else 3]
                 self._latest.submit(
                     lambda: (source, _precompute_selection(partition(source, model=model))),
                     self._on_partition_made,
                     self._on_failure,
                 )
 
-    def set_model(self, model: str) -> None:
-        """Set the larger model that answers in images; empty for the network."""
-        if model != self._model:
-            self._model = model
+    def set_model(self, model: str, ndim: int) -> None:
+        """Set the larger model that answers in images (2), or the server in volumes (3); empty for the network."""
+        if model != self._models[ndim]:
+            self._models[ndim] = model
             self._on_image_changed()
             self.update_partition()
 
@@ -156,7 +156,7 @@ class PartitionUpdater(QObject):
         return EverywhereRun(scene.image, parameters_everywhere(scene.document), scene.document.regions)
 
     def _start_run_everywhere(self, source: EverywhereRun) -> None:
-        model = self._model
+        model = self._models[2]
 
         def run_everywhere(task: BackgroundTask) -> PreparedPartition:
             return source, _precompute_selection(partition_from_everywhere(source, task, model))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from cpm_app.model.preferences.table import MODEL_FOLDER, MODEL_PREFERENCE, OWN_MODEL
+from cpm_app.model.preferences.table import MODEL_FOLDER, MODEL_PREFERENCE, OWN_MODEL, SERVER_ADDRESS, Preference
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.views.window.window import Feature
@@ -20,6 +20,7 @@ class LargerModelFeature(Feature):
         self._checker = LatestOnlyWorker(self.session, "cpm-model", tr("opening a model"))
         for preference in (MODEL_PREFERENCE, MODEL_FOLDER):
             self.window.preferences.call_on_change(preference, self._on_model_chosen)
+        self.window.preferences.call_on_change(SERVER_ADDRESS, self._on_server_named)
 
     def close(self) -> bool:
         """Stop the thread that looks for models."""
@@ -28,9 +29,11 @@ class LargerModelFeature(Feature):
 
     @property
     def _chosen_model(self) -> str:
-        read = self.window.preferences.read_preference
-        name = read(MODEL_PREFERENCE)
-        return read(MODEL_FOLDER) if name == OWN_MODEL else name
+        name = self._read(MODEL_PREFERENCE)
+        return self._read(MODEL_FOLDER) if name == OWN_MODEL else name
+
+    def _read(self, preference: Preference[str]) -> str:
+        return self.window.preferences.read_preference(preference)
 
     def _on_model_chosen(self) -> None:
         """Use the chosen model, or the network until it is here."""
@@ -59,4 +62,11 @@ class LargerModelFeature(Feature):
         )
 
     def _use_model(self, name: str) -> None:
-        self.window.workspace.object_selection.partition_updater.set_model(name)
+        self.window.workspace.object_selection.partition_updater.set_model(name, 2)
+
+    def _on_server_named(self) -> None:
+        """Let the server of the preferences answer in volumes, if it can."""
+        address, updater = self._read(SERVER_ADDRESS), self.window.workspace.object_selection.partition_updater
+        updater.set_model("", 3)
+        if address:
+            self._checker.submit(partial(check_model, address, 3), lambda _: updater.set_model(address, 3))

@@ -63,7 +63,7 @@ def test_files_of_ones_own_answer_and_the_session_names_them(window, hand, tmp_p
     folder.mkdir()
     choose(hand, OWN_MODEL, onnx_models.write_model(folder, "efficientsam"))
     updater = window.workspace.object_selection.partition_updater
-    hand.wait(lambda: updater._model == str(folder))
+    hand.wait(lambda: updater._models[2] == str(folder))
     accept_object_at(hand, 32, 8)
     assert DocumentFile(window.session, dict).save_and_wait(tmp_path / "disk.cpm")
     (item,) = load_session(tmp_path / "disk.cpm").objects.items
@@ -88,4 +88,4 @@ def test_a_model_is_fetched_after_its_offer_is_taken(window, hand, tmp_path, mon
     assert cpm.MODELS["sam2:tiny"].summary in window.offers.text and not fetched
     updater = window.workspace.object_selection.partition_updater
     hand.qtbot.mouseClick(window.offers.buttons[0], Qt.MouseButton.LeftButton)
-    hand.wait(lambda: bool(fetched) and updater._model == "sam2:tiny")
+    hand.wait(lambda: bool(fetched) and updater._models[2] == "sam2:tiny")
