@@ -103,7 +103,7 @@ CLI_COMMANDS = {
         "sam. Images stay on this computer.",
         model.add_arguments,
         model.show_models,
-        ("cpm model", "cpm model sam2:tiny", "cpm run cell.png --object 120,80 --model sam2:tiny --export cell.svg"),
+        ("cpm model", "cpm model sam2:tiny"),
     ),
     "info": CliCommand(
         "show the properties of an image or volume",

@@ -200,8 +200,8 @@ MODEL_FOLDER = TextPreference(
 )  # fmt: skip
 SERVER_ADDRESS = TextPreference(
     name="objects/server", label=tr("Server for volumes"), default="",
-    note=tr("Address of a server of nnInteractive, http://…, which answers clicks in volumes and needs the extra server. "
-            "Volumes are sent there; without an address, nothing is sent."),
+    note=tr("Address of a server of nnInteractive, http://…, which answers clicks in volumes and needs the extra "
+            "server. Volumes are sent there; without an address, nothing is sent."),
 )  # fmt: skip
 
 PREFERENCES_BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
