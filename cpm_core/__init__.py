@@ -133,7 +133,7 @@ from cpm_core.model.volume.starts import (
 )
 from cpm_core.notebook import NotebookView, notebook_view
 from cpm_core.objects import Partition, Selection, VolumePartition
-from cpm_core.objects.prior.larger_models import MODELS, LargerModel, fetch_model
+from cpm_core.objects.prior.larger_models import MODELS, fetch_model
 from cpm_core.pages.follow import follow_pages
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import TrackEvent
@@ -171,7 +171,6 @@ __all__ = [
     "Forces",
     "Geometry",
     "Image",
-    "LargerModel",
     "Method",
     "NotebookView",
     "Page",
