@@ -17,7 +17,9 @@ class LargerModelFeature(Feature):
 
     def set_up(self) -> None:
         """Follow the preferences."""
-        self._checker = LatestOnlyWorker(self.session, "cpm-model", tr("opening a model"))
+        self._checker, self._server_checker = (
+            LatestOnlyWorker(self.session, name, tr("opening a model")) for name in ("cpm-model", "cpm-server")
+        )
         for preference in (MODEL_PREFERENCE, MODEL_FOLDER):
             self.window.preferences.call_on_change(preference, self._on_model_chosen)
         self.window.preferences.call_on_change(SERVER_ADDRESS, self._on_server_named)
@@ -25,6 +27,7 @@ class LargerModelFeature(Feature):
     def close(self) -> bool:
         """Stop the thread that looks for models."""
         self._checker.close()
+        self._server_checker.close()
         return True
 
     @property
@@ -69,4 +72,4 @@ class LargerModelFeature(Feature):
         address, updater = self._read(SERVER_ADDRESS), self.window.workspace.object_selection.partition_updater
         updater.set_model("", 3)
         if address:
-            self._checker.submit(partial(check_model, address, 3), lambda _: updater.set_model(address, 3))
+            self._server_checker.submit(partial(check_model, address, 3), lambda _: updater.set_model(address, 3))
