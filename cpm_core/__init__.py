@@ -133,6 +133,7 @@ from cpm_core.model.volume.starts import (
 )
 from cpm_core.notebook import NotebookView, notebook_view
 from cpm_core.objects import Partition, Selection, VolumePartition
+from cpm_core.objects.prior.larger_models import MODELS, fetch_model
 from cpm_core.pages.follow import follow_pages
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import TrackEvent
@@ -153,6 +154,7 @@ __version__ = VERSION
 __all__ = [
     "CONTOUR_METHODS",
     "METHODS",
+    "MODELS",
     "PARAMETERS",
     "PRESETS",
     "Bridge",
@@ -204,6 +206,7 @@ __all__ = [
     "evolve",
     "example",
     "export",
+    "fetch_model",
     "follow_pages",
     "gradient_threshold",
     "iterate_method",

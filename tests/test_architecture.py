@@ -27,6 +27,8 @@ CORE_LIBRARIES = {
 LATE_LIBRARIES = {
     "cpm_core.image.drawing": {"matplotlib"},
     "cpm_core.notebook.view": {"anywidget", "traitlets"},
+    "cpm_core.objects.prior.larger_models": {"loguru", "onnxruntime", "osam"},
+    "cpm_core.objects.prior.server": {"httpx", "nnInteractive"},
     "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.objects.segmented.by_hand": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},

@@ -13,7 +13,7 @@ EXIT_CANNOT_OPEN = 2
 EXIT_ON_INTERRUPT = 130
 """Exit status after Ctrl+C, as shells report it."""
 
-_COMMAND_NAMES = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "export", "completion"})
+_COMMAND_NAMES = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "export", "model", "completion"})
 """Names of the subcommands, which are imported only when one is called."""
 
 _QT_PACKAGES = frozenset({"PySide6", "shiboken6", "pyqtgraph"})

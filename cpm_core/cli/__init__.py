@@ -13,7 +13,7 @@ from typing import NamedTuple
 import argcomplete
 from argcomplete.shell_integration import shellcode
 
-from cpm_core.cli import batch, bench, compare, export, info, run, skeleton
+from cpm_core.cli import batch, bench, compare, export, info, model, run, skeleton
 from cpm_core.cli.inputs import expand_paths, find_only_image
 from cpm_core.cli.output import STANDARD_STREAM, direct_output, print_message
 from cpm_core.cli.parser import CliParser
@@ -108,6 +108,14 @@ CLI_COMMANDS = {
             "cpm compare cell.png --circle 120,80,30 --methods cpm gvf --export table.csv",
         ),
         "session circle polygon methods truth export json quiet",
+    ),
+    "model": CliCommand(
+        "fetch a larger model that answers prompts",
+        "List the larger models that answer --object in place of the network, or fetch one, once. They need the extra "
+        "sam. Images stay on this computer.",
+        model.add_arguments,
+        model.show_models,
+        ("cpm model", "cpm model sam2:tiny"),
     ),
     "info": CliCommand(
         "show the properties of an image or volume",

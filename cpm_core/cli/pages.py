@@ -58,7 +58,7 @@ def run_pages(request: RunRequest) -> int:
 
     if request.clicked:
         positive, negative = (collect_points(request.clicked[0], inside=inside) for inside in (True, False))
-        runs = follow_objects(pages, segment_page, positive, negative, numbers)
+        runs = follow_objects(pages, segment_page, positive, negative, numbers, request.model)
     else:
         fresh = not request.follows_pages
         runs = follow_pages(pages, compute_page_seeds, parameters, numbers=numbers, fresh=fresh, **limits)

@@ -129,6 +129,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         named.add_argument(flag, metavar="ROW,COL", action=_ClickAction, default=[], help=meaning)
     named.add_argument("--and", nargs=0, action=_ClickAction, default=[], help="Select another object from here on.")
     named.add_argument(
+        "--model",
+        metavar="NAME|FOLDER|ADDRESS",
+        default="",
+        help="Let a larger model answer --object in place of the network: see cpm model. Or a folder with two files, "
+        "*encoder*.onnx and *decoder*.onnx. In a volume the address of a server of nnInteractive.",
+    )
+    named.add_argument(
         "--objects",
         action="store_true",
         help="Find the objects that the run proposes, as the window does. From everywhere these are all of the image, "
@@ -255,9 +262,9 @@ def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:
         return result.objects
     if not request.clicked:
         return None
-    chosen = select_by_clicks(partition(result), request.clicked)
+    chosen = select_by_clicks(partition(result, model=request.model), request.clicked)
     for one in chosen:
-        if len(one.shape) == 3 and (one.prediction is not None or not one.has_boundary):
+        if len(one.shape) == 3 and ((one.prediction is not None and not one.model) or not one.has_boundary):
             raise ValueError("There is no object at this position: name one that the surface encloses.")
         if not one.has_boundary:
             raise ValueError("There is no object at this position: name another one inside it.")

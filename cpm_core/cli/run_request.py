@@ -43,6 +43,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, JsonObject, Texts, frozen
+from cpm_core.objects.prior.larger_models import check_model
 from cpm_core.objects.segmented import Click
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
@@ -105,6 +106,8 @@ class RunRequest:
         Limits in a volume, with those of the session; None where only the session has some.
     clicked : tuple of tuple of Click
         Clicks of each object that is selected.
+    model : str
+        The larger model that answers them; empty for the network.
     all_objects : bool
         Whether all objects are found.
     pages : str or None
@@ -138,6 +141,7 @@ class RunRequest:
     seeding: SeedingKind | None
     volume_regions: VolumeRegions | None
     clicked: tuple[Clicks, ...]
+    model: str
     all_objects: bool
     pages: str | None
     follows_pages: bool
@@ -176,6 +180,9 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
     _check_options(arguments, session, is_volume)
     numbers = _parse_option_numbers(arguments, is_volume)
     clicked = _parse_clicks(arguments, is_volume)
+    if arguments.model and not clicked:
+        raise ValueError("--model is given without --object: name a position inside the object as well.")
+    check_model(arguments.model, 3 if is_volume else 2)
     if arguments.objects:
         refuse_options(arguments, ("object", "pages"), "one object, or a stack, but --objects finds those of a run")
     preset = arguments.preset or ("volume" if is_volume and not arguments.session else None)
@@ -205,6 +212,7 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
         seeding=arguments.auto,
         volume_regions=_build_volume_regions(numbers, session) if is_volume else None,
         clicked=clicked,
+        model=arguments.model,
         all_objects=arguments.objects,
         pages=arguments.pages,
         follows_pages=arguments.follow,

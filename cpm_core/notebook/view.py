@@ -35,7 +35,7 @@ _SELECTED_OBJECT_COLOR = "#f5793a"
 _HELP_TEXT = "Click an object; Shift-click corrects it, Backspace removes it; Ctrl and the wheel zoom, a drag moves."
 
 
-def notebook_view(values: ArrayLike | Image | Result, result: Result | None = None) -> NotebookView:
+def notebook_view(values: ArrayLike | Image | Result, result: Result | None = None, *, model: str = "") -> NotebookView:
     """Show an image with what a run found, or the slices of a volume, and select objects in it by clicks.
 
     Parameters
@@ -44,6 +44,8 @@ def notebook_view(values: ArrayLike | Image | Result, result: Result | None = No
         An image of shape (H, W), a volume of shape (P, H, W), or what was found in one.
     result : Result, optional
         What was found in the image, if `values` is the image itself.
+    model : str, optional
+        The larger model that answers clicks in place of the network, as for `partition`.
 
     Returns
     -------
@@ -62,8 +64,8 @@ def notebook_view(values: ArrayLike | Image | Result, result: Result | None = No
     """
     found = values if result is None else replace(result, image=as_image(values))  # type: ignore[arg-type]
     if isinstance(found, Result):
-        return NotebookView(partition(found), found)
-    return NotebookView(partition_without_run(as_image(found)))
+        return NotebookView(partition(found, model=model), found)
+    return NotebookView(partition_without_run(as_image(found), model=model))
 
 
 class NotebookView(drawing.Pictured):

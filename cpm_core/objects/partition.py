@@ -37,7 +37,9 @@ from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
 from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
-from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Prompt
+from cpm_core.objects.prior.larger_models import check_model, model_title
+from cpm_core.objects.prior.model_predictor import ModelPredictor
+from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Predictor, Prompt
 from cpm_core.objects.selection import (
     CONFLICTING_POINT_REMARK,
     EXCLUDED_POINT_REMARK,
@@ -150,12 +152,13 @@ class ParentImage:
 
 
 def partition_without_run(
-    image: Image, regions: AnyRegions | None = None, channel: str = "luminance"
+    image: Image, regions: AnyRegions | None = None, channel: str = "luminance", model: str = ""
 ) -> Partition | VolumePartition:
-    """Prepare an image or a volume without a run, so that the network answers all prompts."""
+    """Prepare an image or a volume without a run, so that the network or a model answers all prompts."""
+    check_model(model, image.ndim)
     if image.ndim == 3:
-        return VolumePartition(image, regions=regions)
-    return Partition(image, (), plane_regions(regions), channel)
+        return VolumePartition(image, regions=regions, model=model)
+    return Partition(image, (), plane_regions(regions), channel, model=model)
 
 
 @record
@@ -178,6 +181,9 @@ class Partition(drawing.Pictured):
         The larger image that contains this one.
     links : tuple of ndarray, each of shape (K, 2)
         Pieces that are no contours but separate what contours enclose; see `Result.links`.
+    model : str
+        The larger model that answers in place of the network, one of `cpm.MODELS` or the folder of one; empty for the
+        network, which also rates what was found otherwise.
 
     Examples
     --------
@@ -212,9 +218,10 @@ class Partition(drawing.Pictured):
     uses_network: bool = True
     parent: ParentImage | None = None
     links: Arrays = ()
+    model: str = ""
 
     @classmethod
-    def from_result(cls, result: FoundInImage) -> Partition:
+    def from_result(cls, result: FoundInImage, model: str = "") -> Partition:
         """Make the partition of the image and the contours of a result; ValueError when it does not know its image."""
         return cls(
             as_plane(require_image(result)),
@@ -222,6 +229,7 @@ class Partition(drawing.Pictured):
             plane_regions(result.regions),
             result.channel,
             links=result.links,
+            model=model,
         )
 
     @property
@@ -367,6 +375,8 @@ class Partition(drawing.Pictured):
         if previous is not None and np.array_equal(mask, previous.mask):
             return replace(previous, inside=inside, outside=outside, remark=remark)
         answer = self.build_selection(mask, inside, outside, remark, found.features, found.unambiguous)
+        if self.model and found.features is not None:
+            answer = replace(answer, model=model_title(self.model))
         if not remark and answer.has_only_points:
             return replace(answer, remark=_NO_OBJECT_REMARK)
         return answer if remark or answer.confidence >= _LEAST_CONFIDENCE else replace(answer, remark=_UNLIKELY_REMARK)
@@ -567,7 +577,7 @@ class Partition(drawing.Pictured):
             mask = _select_connected(mask, prompt.positive)
         mask = _drop_fragments(mask, excluded)
         left = self.build_selection(mask, selection.inside, selection.outside, selection.remark, selection.features)
-        return replace(left, confidence=selection.confidence) if left.has_boundary else left
+        return replace(left, confidence=selection.confidence, model=selection.model) if left.has_boundary else left
 
     def outline_mask(self, mask: Mask) -> tuple[ObjectOutline, ...]:
         """Outline a set of pixels, shape (H, W), along the contours next to it."""
@@ -583,7 +593,7 @@ class Partition(drawing.Pictured):
             box, corner = _padded_box(mask)
             depth = scipy.ndimage.distance_transform_edt(mask[box])
             pixels = np.argwhere(depth == depth.max())[:1] + corner
-        return self._predictor.evaluate_mask(mask, pixels)
+        return self._network.evaluate_mask(mask, pixels)
 
     @cached_property
     def values(self) -> Array:
@@ -624,10 +634,16 @@ class Partition(drawing.Pictured):
         return ClosedRegions(contours, self.values, "auto" if self.parent is None else self.parent.smoothing)
 
     @cached_property
-    def _predictor(self) -> ObjectPredictor:
+    def _network(self) -> ObjectPredictor:
         colors = self.image.colors if self.channel == "luminance" else None
         grays = () if self.parent is None else self.parent.gray_range
         return ObjectPredictor(self.values if colors is None else colors.samples, gray_range=grays)
+
+    @cached_property
+    def _predictor(self) -> Predictor:
+        """What answers prompts."""
+        seen = self._network
+        return ModelPredictor(seen.values, self.model, seen.gray_range) if self.model else seen
 
     def __repr__(self) -> str:
         return format_repr(

@@ -46,6 +46,8 @@ class Selection(drawing.Pictured):
         In a volume, what the network predicted, for further points to correct.
     image : Image or None
         The image that it was selected in; None where that is not known.
+    model : str
+        The larger model that answered; empty for the network and for contours.
 
     Examples
     --------
@@ -73,6 +75,7 @@ class Selection(drawing.Pictured):
     features: ConfidenceFeatures | None = None
     prediction: BodyPrediction | None = None
     image: Image | None = None
+    model: str = ""
 
     @property
     def mask(self) -> Mask:

@@ -38,6 +38,8 @@ from cpm_core.objects.prior.body_prediction import (
 from cpm_core.objects.prior.body_predictor import BodyPredictor
 from cpm_core.objects.prior.body_surface import extract_body_surface
 from cpm_core.objects.prior.crops import CROP_SIDE, resample_with_tent
+from cpm_core.objects.prior.larger_models import model_title
+from cpm_core.objects.prior.server import ServedVolume
 from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, EXCLUDED_POINT_REMARK, Selection, keep_last_marks
 from cpm_core.parameters.formatting import format_repr, format_size
 
@@ -103,6 +105,8 @@ class VolumePartition:
         The surfaces along which it is cut, all in one; without any, the network answers everywhere.
     regions : VolumeRegions, optional
         Regions of interest, in which the answers of the network stay.
+    model : str
+        Address of a server of nnInteractive that answers in place of the network; empty for the network.
 
     Examples
     --------
@@ -125,12 +129,13 @@ class VolumePartition:
     image: Image
     surface: Surface = EMPTY_SURFACE
     regions: AnyRegions | None = None
+    model: str = ""
 
     @classmethod
-    def from_result(cls, result: FoundInImage) -> VolumePartition:
+    def from_result(cls, result: FoundInImage, model: str = "") -> VolumePartition:
         """Make the partition of the volume and the closed surface of a result; ValueError when it has no image."""
         surface = result.surface if result.surface is not None and result.surface.closed else EMPTY_SURFACE
-        return cls(require_image(result), surface, result.regions)
+        return cls(require_image(result), surface, result.regions, model)
 
     def __post_init__(self) -> None:
         if len(self.surface.faces) and not self.surface.closed:
@@ -250,7 +255,7 @@ class VolumePartition:
     def _select_by_network(
         self, inside: Array, outside: Array, previous: Selection | None, painted: Region | None
     ) -> Selection:
-        """Select a body by the network, starting from what was selected before."""
+        """Select a body by the network, starting from what was selected before, or by a server."""
         newer = np.arange(len(inside)) >= (len(inside) if previous is None else len(previous.inside))
         within, beyond, contradicting = keep_last_marks(inside, outside, newer)
         remark = CONFLICTING_POINT_REMARK if contradicting else ""
@@ -261,6 +266,12 @@ class VolumePartition:
         if not len(within):
             return self._build_selection(None, inside, outside, remark)
         size = self._predictor.voxel_sides
+        if self.model and painted is None:
+            mask = self._served_volume.answer(*map(self._find_nearest_voxels, (within, beyond)))
+            if not mask.any():
+                return self._build_selection(None, inside, outside, remark)
+            found = self._correct_body(body_from_mask(mask, size), within, beyond, remark)
+            return replace(found, inside=inside, outside=outside, model=model_title(self.model))
         if previous is not None and previous.prediction is not None:
             body = previous.prediction
         elif previous is not None and previous.has_boundary:
@@ -372,6 +383,10 @@ class VolumePartition:
     def _interest(self) -> Mask | None:
         """Voxels in the regions of interest; None when all are."""
         return self.regions.voxel_mask(self.shape) if isinstance(self.regions, VolumeRegions) else None
+
+    @cached_property
+    def _served_volume(self) -> ServedVolume:
+        return ServedVolume(self.model, self.image.values, self.image.spacing)
 
     @cached_property
     def _predictor(self) -> BodyPredictor:

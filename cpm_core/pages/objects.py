@@ -133,6 +133,7 @@ def follow_objects(
     inside: ArrayLike,
     outside: ArrayLike,
     numbers: Sequence[int],
+    model: str = "",
 ) -> Iterator[Page]:
     """Follow the object that points select on the first page through the others, up to a page without it.
 
@@ -146,6 +147,8 @@ def follow_objects(
         Positive and negative points [px].
     numbers : sequence of int
         Which pages, from 1, in the order in which they are followed.
+    model : str
+        The larger model that answers in place of the network.
 
     Yields
     ------
@@ -156,7 +159,7 @@ def follow_objects(
     for number in numbers:
         try:
             image = pages[number - 1]
-            part = Partition.from_result(found_on(image))
+            part = Partition.from_result(found_on(image), model)
         except (ValueError, MemoryError) as error:
             yield Page(number, None, error=describe_error(error))
             continue

@@ -31,6 +31,8 @@ class Provenance:
         Hash of the image, for a file as returned by `compute_fingerprint`; empty if unknown.
     of_file : bool
         Whether the hash is of the bytes of a file rather than of an array; see `Image.sha256`.
+    model : str
+        The larger models that found objects, if any; see `Selection.model`.
     """
 
     method: str = ""
@@ -41,6 +43,7 @@ class Provenance:
     steered: bool = False
     sha256: str = ""
     of_file: bool = True
+    model: str = ""
 
 
 def select_parameters(parameters: Parameters, names: Iterable[str]) -> dict[str, float | str]:

@@ -104,7 +104,8 @@ def _join_objects(nothing: Result, selections: Sequence[Selection], labels: Sequ
     """Add objects, each with its label, to a result that has none.
 
     The contours of an object have its number as their group, and holes are marked, so that a label mask has one label
-    for it and none in its holes. Gaps become bridges of strength 0, as theirs is unknown.
+    for it and none in its holes. Gaps become bridges of strength 0, as theirs is unknown. The provenance names the
+    larger models that answered.
     """
     parts = list(zip(labels, selections, strict=True))
     contours = (
@@ -124,7 +125,9 @@ def _join_objects(nothing: Result, selections: Sequence[Selection], labels: Sequ
         joined = join_surfaces([(to.number, body) for to, body in bodies], nothing.spacing, nothing.unit)
         surface = replace(joined, labels=tuple(to for to, _ in bodies))
     bridges = tuple(Bridge(gap, polyline.path_length(gap), 0.0) for one in selections for gap in one.gaps)
-    return replace(nothing, contours=tuple(contours), bridges=bridges, surface=surface)
+    models = ", ".join(sorted({one.model for one in selections if one.model}))
+    made = replace(nothing.provenance, model=models)
+    return replace(nothing, contours=tuple(contours), bridges=bridges, surface=surface, provenance=made)
 
 
 def add_segmented_objects(
@@ -172,7 +175,8 @@ def replace_by_objects(
     ]
     found = _build_image_result(selections, labels, require_image(result), result.channel)
     drawn = (*result.provenance.shapes, *found.provenance.shapes)
-    return replace(found, provenance=replace(result.provenance, method="objects", shapes=drawn))
+    made = replace(result.provenance, method="objects", shapes=drawn, model=found.provenance.model)
+    return replace(found, provenance=made)
 
 
 def boundaries_result(

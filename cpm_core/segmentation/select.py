@@ -13,9 +13,10 @@ from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics.real_numbers import as_positions, check_finite_number
 from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.partition import Partition
+from cpm_core.objects.prior.larger_models import check_model
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar_objects import find_similar_objects
-from cpm_core.objects.volume_partition import VolumePartition
+from cpm_core.objects.volume_partition import VolumePartition, require_image
 from cpm_core.parameters import Parameters, choose_parameters
 from cpm_core.parameters.formatting import format_size, quote_value
 from cpm_core.results.result import Result
@@ -26,7 +27,7 @@ EVERYWHERE_PARAMETERS = Parameters(smoothing=1.5)
 
 
 def partition(
-    values: ArrayLike | Image | Result, parameters: Parameters | str | None = None
+    values: ArrayLike | Image | Result, parameters: Parameters | str | None = None, *, model: str = ""
 ) -> Partition | VolumePartition:
     """Prepare an image with its contours, or a volume with the bodies of its surface, to select objects from.
 
@@ -37,6 +38,10 @@ def partition(
         run.
     parameters : Parameters or str, optional
         Parameters of the run on an image.
+    model : str, optional
+        The larger model that answers prompts on an image in place of the network: one of `MODELS`, once `fetch_model`
+        has fetched it, or a folder with the ONNX files of an encoder and a decoder. In a volume the address of a server
+        of nnInteractive, ``"http://..."``, which gets the volume and the points.
 
     Returns
     -------
@@ -46,7 +51,7 @@ def partition(
     Raises
     ------
     ValueError
-        For an unusable image, or a result that does not know its image.
+        For an unusable image, a result that does not know its image, or a model that cannot be used.
 
     Examples
     --------
@@ -54,12 +59,17 @@ def partition(
     >>> partition.select([(32, 18)])
     <Selection 301 px, 1 contour, 0 gaps, 98 % sure>
     """
+    image = require_image(values) if isinstance(values, Result) else as_image(values)
+    check_model(model, image.ndim)
     if isinstance(values, Result):
-        return Partition.from_result(values) if values.surface is None else VolumePartition.from_result(values)
-    image = as_image(values)
+        return (
+            Partition.from_result(values, model)
+            if values.surface is None
+            else VolumePartition.from_result(values, model)
+        )
     if image.ndim == 3:
-        return VolumePartition(image)
-    return Partition.from_result(_run_everywhere(image, parameters))
+        return VolumePartition(image, model=model)
+    return Partition.from_result(_run_everywhere(image, parameters), model)
 
 
 def _run_everywhere(image: Image, parameters: Parameters | str | None = None) -> Result:
@@ -77,6 +87,7 @@ def select(
     stroke: ArrayLike = (),
     previous: Selection | None = None,
     prior: bool = True,
+    model: str = "",
 ) -> Selection:
     """Select an object of an image at once, without a run of the particles before.
 
@@ -91,6 +102,8 @@ def select(
     prior : bool
         Whether the network answers. Without it, particles find the contours of the whole image first, which takes about
         a second, and what they enclose is selected.
+    model : str
+        The larger model that answers in place of the network, as for `partition`.
 
     Returns
     -------
@@ -102,8 +115,12 @@ def select(
     >>> cpm.select(cpm.example("disks"), [(32, 18)]).contains(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
     [True, False]
     """
+    check_model(model, ndim=2)
     image = as_plane(values)
-    cut = Partition(image, ()) if prior else replace(Partition.from_result(_run_everywhere(image)), uses_network=False)
+    if prior:
+        cut = Partition(image, (), model=model)
+    else:
+        cut = replace(Partition.from_result(_run_everywhere(image)), uses_network=False)
     places = np.concatenate([as_positions(given, "rows and columns") for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 

@@ -31,7 +31,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "objects": (
         "Objects selected by prompts",
         ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition",
-         "objects_result", "notebook_view", "NotebookView"),
+         "objects_result", "MODELS", "fetch_model", "notebook_view", "NotebookView"),
     ),
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines")),
     "files": (
@@ -97,6 +97,7 @@ TABLES = {
         ">>> result = cpm.segment(cpm.example('disk'), cpm.circle((32, 32), 8), cpm.PRESETS['shape'])\n"
         ">>> len(result.contours)\n1\n",
     ),
+    "MODELS": ("Larger models that can be fetched, by name", ">>> cpm.MODELS['sam2:tiny'].megabytes\n150\n"),
     "METHODS": ("All methods, by name", ">>> cpm.METHODS['cpm'].title\n'Charged particles'\n"),
     "CONTOUR_METHODS": (
         "Methods that can be compared, by name",

@@ -27,7 +27,9 @@ _REPORT_INTERVAL = 0.1
 """Shortest time between two reports of a run [s]."""
 
 
-def find_objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[cpm.Contour]) -> Work:
+def find_objects_at(
+    image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[cpm.Contour], model: str = ""
+) -> Work:
     """Find an object at each positive point, in the box of each closed line, and along each open one.
 
     Parameters
@@ -39,6 +41,8 @@ def find_objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequ
         has been found gives no other; no object contains a negative point.
     drawn : sequence of Contour
         Closed lines, which are boxes, and open ones, which are scribbles.
+    model : str
+        The larger model that answers in place of the network.
 
     Yields
     ------
@@ -57,7 +61,7 @@ def find_objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequ
     """
     if image.ndim == 3 and drawn:
         raise ValueError("In a volume, objects are found at points: choose no shapes, or a run from the shapes.")
-    partition: Any = partition_without_run(image)
+    partition: Any = partition_without_run(image, model=model)
     found: list[Any] = []
     prompts = [{"inside": inside[[number]]} for number in range(len(inside))]
     prompts += [{"box": np.array(one.box)} if one.closed else {"stroke": one.points} for one in drawn]
@@ -75,7 +79,7 @@ def find_objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequ
     return cpm.objects_result(found, image)
 
 
-def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, outside: Array) -> Work:
+def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, outside: Array, model: str = "") -> Work:
     """Correct the object of a label by points; all others stay as they are.
 
     Parameters
@@ -88,6 +92,8 @@ def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, o
         Label of the object.
     inside, outside : ndarray, shape (N, D)
         Positive and negative points (row, col) [px] or (plane, row, col) [voxels].
+    model : str
+        The larger model that answers in place of the network.
 
     Yields
     ------
@@ -104,7 +110,7 @@ def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, o
     ValueError
         When no pixel has the label.
     """
-    partition: Any = partition_without_run(image)
+    partition: Any = partition_without_run(image, model=model)
     mask = labels == number
     pixels = np.argwhere(mask).astype(float)
     if not len(pixels):

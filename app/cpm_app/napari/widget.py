@@ -20,6 +20,7 @@ from cpm_app.napari.layers import LayerData, build_result_layers, lines_from_sha
 from cpm_core.image.drawing import PARTICLE_COLOR
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import JsonDict
+from cpm_core.objects.prior.larger_models import is_fetched
 
 FIND_OBJECTS = "Objects at the points"
 """Choice that finds an object at each point."""
@@ -81,6 +82,7 @@ class FindWidget(Container):  # type: ignore[misc]
                     create_widget(annotation=kind, name=name, label=title, options={"tooltip": tooltip})
                     for name, (kind, title, tooltip) in _LAYER_CHOICES.items()
                 ),
+                ComboBox(name="model", label="Model", choices=_list_models(), tooltip="What answers in images."),
                 *self.sliders,
                 self.button,
                 self.message,
@@ -104,7 +106,7 @@ class FindWidget(Container):  # type: ignore[misc]
             self.shapes.value = layer
 
     def _update_rows(self) -> None:
-        for row in (self.points, self.outside, *self.sliders):
+        for row in (self.points, self.outside, self.model, *self.sliders):
             row.visible = (row in self.sliders) == (self.way.value == RUN_FROM_SHAPES)
 
     @property
@@ -159,18 +161,19 @@ class FindWidget(Container):  # type: ignore[misc]
             np.empty((0, image.ndim)) if points is None else self._map_to_image(points, points.data)
             for points in (self.points.value, self.outside.value)
         )
+        model = self.model.value if image.ndim == 2 else ""
         if self.way.value == RUN_FROM_SHAPES:
             self._parameters = self._parameters_from_sliders()
             work = finding.run_from_seeds(image, finding.collect_drawn_seeds(drawn, labels), lambda: self._parameters)
         elif labels is not None and len(inside) + len(outside):
             name, number = chosen.name, chosen.selected_label
-            corrected = finding.correct_label(image, labels, number, inside, outside)
+            corrected = finding.correct_label(image, labels, number, inside, outside, model)
             without_measures = {"name": name, "features": {}}  # those of the object before are no longer true
             return corrected, lambda found: [(found, without_measures, "labels")]
         elif labels is not None or not len(inside) + len(drawn):
             raise ValueError("Add a layer of points and click into the objects, or draw boxes around them as shapes.")
         else:
-            work = finding.find_objects_at(image, inside, outside, drawn)
+            work = finding.find_objects_at(image, inside, outside, drawn, model)
         placing = {name: getattr(layer, name) for name in _PLACING_ATTRIBUTES}
         return work, lambda found: build_result_layers(found, layer.name, **placing)
 
@@ -214,6 +217,11 @@ class FindWidget(Container):  # type: ignore[misc]
         self._worker, self.button.text = None, "Find"
         with suppress(KeyError):
             self._viewer.layers.remove(self._viewer.layers[_PARTICLE_LAYER])
+
+
+def _list_models() -> list[tuple[str, str]]:
+    """List the network and the larger models that have been fetched: titles and names."""
+    return [("Network", ""), *((one.title, name) for name, one in cpm.MODELS.items() if is_fetched(name))]
 
 
 def _find_layers(

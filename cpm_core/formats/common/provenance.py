@@ -54,6 +54,8 @@ def describe_image_provenance(source: str, provenance: Provenance, shapes: Itera
     facts: JsonDict = {"program": "CPM", "version": VERSION, "image": image}
     if provenance.method:
         facts["method"] = provenance.method
+    if provenance.model:
+        facts["model"] = provenance.model
     if provenance.parameters:
         facts["parameters"] = dict(provenance.parameters)
     if provenance.seeds is not None:

@@ -26,6 +26,9 @@ _IMAGE_FORMAT = "cpm-contours"
 _STACK_FORMAT = "cpm-pages"
 """Value of the entry ``format`` for all pages of a stack."""
 
+_READ_PROVENANCE = "method", "parameters", "seeds", "scale", "steered", "model"
+"""Fields of a provenance that are read as they are."""
+
 
 def encode_contour_json(result: Outcome) -> bytes:
     """Write an object with the image, the run, the contours and the bridges; `load_contours` reads it back.
@@ -184,7 +187,7 @@ def _result_from_json(plain: JsonObject) -> Result:
         tuple(_parse_points({"points": one}) for one in plain.get("links", ())),
         channel=image.get("channel", "luminance"),
         provenance=Provenance(
-            **{name: facts[name] for name in ("method", "parameters", "seeds", "scale", "steered") if name in facts},
+            **{name: facts[name] for name in _READ_PROVENANCE if name in facts},
             shapes=tuple(facts.get("shapes", ())),
             sha256=facts["image"].get("sha256", facts["image"].get("array_sha256", "")),
             of_file="array_sha256" not in facts["image"],

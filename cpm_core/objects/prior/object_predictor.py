@@ -6,10 +6,10 @@ then a crop around the answer so far.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import field
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import scipy
@@ -37,7 +37,7 @@ _CROP_RIM_WIDTH = 2.0
 """Width of the rim of a crop [px of the crop]."""
 
 
-_AREA_PENALTY = 0.2
+AREA_PENALTY = 0.2
 """Overlap that counts as much as a factor of e between the area of an answer and the one that is known."""
 
 _MAX_DRAWN_RATIO = 40
@@ -49,10 +49,10 @@ None of the objects that people outlined was 20 times as large as a disk of half
 _MAX_IMAGE_SHARE = 0.5
 """Share of the image above which an answer to points is rather what surrounds an object than the object."""
 
-_SAME_OBJECT_IOU = 0.7
+SAME_OBJECT_IOU = 0.7
 """Overlap of the answers to two crops above which they mean the same object."""
 
-_MAX_PREDICTIONS = 4
+MAX_PREDICTIONS = 4
 """Largest number of objects that one prompt may mean."""
 
 _POINT_FADING = 6.0
@@ -131,7 +131,7 @@ class CropPrediction(NamedTuple):
         off = 0.0 if known_area is None else abs(float(np.log(max(known_area, 1.0)) - area))
         if drawn is not None:
             off += max(float(area - np.log(_MAX_DRAWN_RATIO * max(int(np.count_nonzero(drawn)), 1))), 0.0)
-        return self.predicted_iou - _AREA_PENALTY * off
+        return self.predicted_iou - AREA_PENALTY * off
 
     @property
     def mean_certainty(self) -> float:
@@ -170,6 +170,24 @@ class Prediction(NamedTuple):
     iou_to_other_crop: float
 
 
+class Predictor(Protocol):
+    """What answers prompts on an image: the network, or a larger model."""
+
+    def predict_objects(self, prompt: Prompt, known_area: float | None = None) -> Iterator[Prediction]:
+        """Predict the objects that a prompt may mean, the most likely one first.
+
+        What covers most of the image comes after smaller objects that hold the points, if there are only positive ones.
+
+        Parameters
+        ----------
+        prompt : Prompt
+            The prompt.
+        known_area : float, optional
+            Area that the object has, about [px²].
+        """
+        ...
+
+
 @record
 class ObjectPredictor:
     """Predictions of the network for prompts on an image.
@@ -189,17 +207,7 @@ class ObjectPredictor:
     gray_range: tuple[float, ...] = ()
 
     def predict_objects(self, prompt: Prompt, known_area: float | None = None) -> Iterator[Prediction]:
-        """Predict the objects that a prompt may mean, the most likely one first.
-
-        What covers most of the image comes after smaller objects that hold the points, if there are only positive ones.
-
-        Parameters
-        ----------
-        prompt : Prompt
-            The prompt.
-        known_area : float, optional
-            Area that the object has, about [px²].
-        """
+        """Predict the objects that a prompt may mean, as `Predictor.predict_objects`."""
         if prompt.previous_mask is not None and prompt.previous_mask.any():
             yield self._refine_prediction(
                 self._predict_crop(_crop_around(true_bounds(prompt.previous_mask), prompt), prompt, None),
@@ -208,14 +216,7 @@ class ObjectPredictor:
                 _MIN_CROP_REFINEMENTS,
             )
             return
-        surrounding: list[Prediction] = []
-        for found in self._predict_by_score(prompt, known_area):
-            is_large = prompt.has_only_positive and found.mask.mean() > _MAX_IMAGE_SHARE
-            if is_large or (surrounding and not found.mask[tuple(prompt.positive.T)].all()):
-                surrounding.append(found)
-            else:
-                yield found
-        yield from surrounding
+        yield from put_surroundings_last(self._predict_by_score(prompt, known_area), prompt)
 
     def _predict_by_score(self, prompt: Prompt, known_area: float | None) -> Iterator[Prediction]:
         """Predict different objects that a prompt may mean, those of the best score first."""
@@ -224,14 +225,14 @@ class ObjectPredictor:
         distinct: list[CropPrediction] = []
         for answer in answers:
             if distinct and (
-                not answer.has_object() or any(answer.compute_iou_with(one) > _SAME_OBJECT_IOU for one in distinct)
+                not answer.has_object() or any(answer.compute_iou_with(one) > SAME_OBJECT_IOU for one in distinct)
             ):
                 continue
             distinct.append(answer)
             others = [one for one in answers if one is not answer]
             agreement = max((answer.compute_iou_with(other) for other in others), default=1.0)
             yield self._refine_prediction(answer, prompt, agreement, 0)
-            if len(distinct) == _MAX_PREDICTIONS:
+            if len(distinct) == MAX_PREDICTIONS:
                 return
 
     def evaluate_mask(self, mask: Mask, inside: Index) -> Prediction:
@@ -306,6 +307,18 @@ class ObjectPredictor:
     @cached_property
     def _sampler(self) -> ImageSampler:
         return ImageSampler(self.values, self.gray_range)
+
+
+def put_surroundings_last(ranked: Iterable[Prediction], prompt: Prompt) -> Iterator[Prediction]:
+    """Yield predictions in their order, except that what surrounds an object comes after it."""
+    surrounding: list[Prediction] = []
+    for found in ranked:
+        is_large = prompt.has_only_positive and found.mask.mean() > _MAX_IMAGE_SHARE
+        if is_large or (surrounding and not found.mask[tuple(prompt.positive.T)].all()):
+            surrounding.append(found)
+        else:
+            yield found
+    yield from surrounding
 
 
 def build_input_maps(

@@ -91,6 +91,8 @@ class SegmentedObject:
         Whether it is not shown.
     line : tuple of (row, col)
         The vertices of an open object in px of the image: a line that encloses nothing; empty for any other object.
+    model : str
+        The larger model that found it; see `Selection.model`.
 
     Raises
     ------
@@ -110,6 +112,7 @@ class SegmentedObject:
     frozen: bool = False
     hidden: bool = False
     line: Line = ()
+    model: str = ""
 
     def __post_init__(self) -> None:
         if self.number < 1:
@@ -285,6 +288,7 @@ def selection_from_object(item: SegmentedObject, shape: Extent) -> Selection:
         contours=contours_from_object(item),
         gaps=tuple(np.array(gap) for gap in item.gaps),
         confidence=item.confidence if len(shape) == 2 else np.nan,
+        model=item.model,
     )
 
 

@@ -295,6 +295,8 @@ def prepare() -> None:
 _SKIPPED = {
     "Engine",
     "METHODS",
+    "MODELS",
+    "fetch_model",
     "PARAMETERS",
     "PRESETS",
     "Method",

@@ -175,10 +175,11 @@ def object_from_selection(selection: Selection, clicks: Clicks, number: int, cat
         exact = selection.region.surface
         if exact is None:  # the clicks no longer explain what has been painted
             return SegmentedObject(number, (), selection.region, category=category)
-        return SegmentedObject(number, clicks, Region.from_surface(exact), category=category)
+        exact_region = Region.from_surface(exact)
+        return SegmentedObject(number, clicks, exact_region, category=category, model=selection.model)
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _SESSION_DECIMALS)
     item = object_from_contours(number, category, selection.contours, selection.gaps)
-    return replace(item, clicks=clicks, confidence=confidence)
+    return replace(item, clicks=clicks, confidence=confidence, model=selection.model)
 
 
 # The objects

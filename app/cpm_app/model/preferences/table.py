@@ -13,6 +13,7 @@ from typing import Any, Generic, TypeVar
 from cpm_app.model.display.lengths import UNIT_TITLES
 from cpm_app.model.text import language
 from cpm_app.model.text.language import tr
+from cpm_core import MODELS
 
 ValueT = TypeVar("ValueT")
 
@@ -87,6 +88,15 @@ class ChoicePreference(Preference[str]):
 
 
 @dataclass(frozen=True, kw_only=True)
+class TextPreference(Preference[str]):
+    """A text on one line."""
+
+    def parse_stored(self, stored: object) -> str | None:
+        """Parse a text."""
+        return stored if isinstance(stored, str) else None
+
+
+@dataclass(frozen=True, kw_only=True)
 class ColorPreference(Preference[str]):
     """A color, as ``"#rrggbb"``."""
 
@@ -98,6 +108,7 @@ class ColorPreference(Preference[str]):
 PAGE_TITLES = {
     "general": tr("General"),
     "appearance": tr("Lines and colors"),
+    "objects": tr("Objects"),
     "files": tr("Files"),
     "run": tr("Run"),
     "shortcuts": tr("Shortcuts"),
@@ -173,9 +184,30 @@ TIMELINE_MEMORY = NumberPreference(
             "between them are recomputed exactly."),
 )  # fmt: skip
 
+OWN_MODEL = "folder"
+"""Choice of the model in the folder that the user names."""
+
+MODEL_PREFERENCE = ChoicePreference(
+    name="objects/model", label=tr("Answers to clicks"), default="",
+    choices={"": tr("Network of the program"), **{name: one.summary for name, one in MODELS.items()},
+             OWN_MODEL: tr("ONNX files in the folder below")},
+    note=tr("Larger models answer in images. They need the extra sam and are fetched once, on request; images stay on "
+            "this computer."),
+)  # fmt: skip
+MODEL_FOLDER = TextPreference(
+    name="objects/model_folder", label=tr("Folder of a model"), default="",
+    note=tr("With two files: *encoder*.onnx and *decoder*.onnx."),
+)  # fmt: skip
+SERVER_ADDRESS = TextPreference(
+    name="objects/server", label=tr("Server for volumes"), default="",
+    note=tr("Address of a server of nnInteractive, http://…, which answers clicks in volumes and needs the extra "
+            "server. Volumes are sent there; without an address, nothing is sent."),
+)  # fmt: skip
+
 PREFERENCES_BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
     "general": (LANGUAGE_PREFERENCE, THEME_PREFERENCE, UNIT_PREFERENCE, WHEEL_PREFERENCE),
     "appearance": (CONTOUR_WIDTH, SHAPE_WIDTH, POINT_SIZE, *INK_PREFERENCES.values()),
+    "objects": (MODEL_PREFERENCE, MODEL_FOLDER, SERVER_ADDRESS),
     "files": (AUTOSAVE_PREFERENCE, SAVE_IN_FOLDER),
     "run": (KEEP_PARAMETERS, OFFER_SETTINGS, TIMELINE_MEMORY),
 }

@@ -94,6 +94,7 @@ class PartitionUpdater(QObject):
         self.has_failed = False
         """Whether the partition that was asked for last could not be made."""
         self._everywhere: PreparedPartition | None = None
+        self._models = {2: "", 3: ""}
         self._task = ENDED_TASK
         self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
         self._quiet = QTimer(self, singleShot=True, interval=_PARTITION_DELAY)
@@ -129,16 +130,25 @@ class PartitionUpdater(QObject):
             if isinstance(source, EverywhereRun):
                 alone = source.image.ndim == 3 or math.prod(source.image.shape) > MAX_OFFERED_PIXELS
                 if self.partition is None or alone:  # usable at once; contours follow
-                    bare = partition_without_run(source.image, source.regions, source.parameters.channel)
+                    model = self._models[source.image.ndim]
+                    bare = partition_without_run(source.image, source.regions, source.parameters.channel, model)
                     self._set_partition((source, bare))
                 if not alone:
                     self._start_run_everywhere(source)
             else:
+                model = self._models[2 if source.surface is None else 3]
                 self._latest.submit(
-                    lambda: (source, _precompute_selection(partition(source))),
+                    lambda: (source, _precompute_selection(partition(source, model=model))),
                     self._on_partition_made,
                     self._on_failure,
                 )
+
+    def set_model(self, model: str, ndim: int) -> None:
+        """Set the larger model that answers in images (2), or the server in volumes (3); empty for the network."""
+        if model != self._models[ndim]:
+            self._models[ndim] = model
+            self._on_image_changed()
+            self.update_partition()
 
     def close(self) -> None:
         """End the thread."""
@@ -154,8 +164,10 @@ class PartitionUpdater(QObject):
         return EverywhereRun(scene.image, parameters_everywhere(scene.document), scene.document.regions)
 
     def _start_run_everywhere(self, source: EverywhereRun) -> None:
+        model = self._models[2]
+
         def run_everywhere(task: BackgroundTask) -> PreparedPartition:
-            return source, _precompute_selection(partition_from_everywhere(source, task))
+            return source, _precompute_selection(partition_from_everywhere(source, task, model))
 
         name = tr("Finding contours everywhere, to outline objects exactly…")
         activity = tr("preparing the selection of objects")
@@ -197,14 +209,14 @@ class PartitionUpdater(QObject):
         self.changed.emit()
 
 
-def partition_from_everywhere(source: EverywhereRun, task: BackgroundTask) -> Partition:
+def partition_from_everywhere(source: EverywhereRun, task: BackgroundTask, model: str = "") -> Partition:
     """Make a partition with the contours of a run from everywhere; without contours if that would take too long."""
     image, regions = source.image, source.regions
     if math.prod(image.shape) > MAX_OFFERED_PIXELS:
-        return Partition(image, (), plane_regions(regions), source.parameters.channel)
+        return Partition(image, (), plane_regions(regions), source.parameters.channel, model=model)
     grid = uniform_grid(image.shape)
     found = segment(image, grid, source.parameters, regions=regions, progress=lambda _: task.check_cancelled())
-    return Partition.from_result(found)
+    return Partition.from_result(found, model)
 
 
 def parameters_everywhere(document: Document) -> Parameters:

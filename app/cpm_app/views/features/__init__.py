@@ -9,6 +9,7 @@ from cpm_app.views.features.exchange import BatchFeature, ClipboardFeature, Expo
 from cpm_app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from cpm_app.views.features.help import HelpFeature, PreferencesFeature
 from cpm_app.views.features.measures import MeasuresFeature
+from cpm_app.views.features.models import LargerModelFeature
 from cpm_app.views.features.objects import ObjectsFeature
 from cpm_app.views.features.offers import FilePartsFeature, InitialSettingsFeature, PixelSizeFeature
 from cpm_app.views.features.project import ProjectFeature
@@ -41,6 +42,7 @@ WINDOW_FEATURES: tuple[type[Feature], ...] = (
     TasksFeature,
     ModesFeature,
     InitialSettingsFeature,
+    LargerModelFeature,
     FilePartsFeature,
     PixelSizeFeature,
     ObjectsFeature,

@@ -39,6 +39,7 @@ from cpm_app.model.preferences.table import (
     FlagPreference,
     NumberPreference,
     Preference,
+    TextPreference,
 )
 from cpm_app.model.text.language import tr
 from cpm_app.session.storage.preferences import Preferences
@@ -179,6 +180,10 @@ def create_preference_field(
             choice.show_value(value)
             choice.value_selected.connect(store)
             return choice, choice.show_value
+        case TextPreference():
+            line = QLineEdit(value)
+            line.editingFinished.connect(lambda: store(line.text().strip()))
+            return line, line.setText
         case ColorPreference():
             button = QPushButton(autoDefault=False)
             button.setMinimumWidth(_MIN_COLOR_BUTTON_WIDTH)
