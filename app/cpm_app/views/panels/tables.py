@@ -101,7 +101,7 @@ class Column(Generic[Row]):
         Number by which rows are sorted, by default the value.
     icon : callable, optional
         Name of the icon that a row shows instead of its value, and whether that is a state that is out of the ordinary;
-        the name is empty for none. A click on the icon changes the state, and the heading shows the icon `name`.
+        the name is empty for none. A click on the icon changes the state, and the heading is empty.
     """
 
     name: str
@@ -247,8 +247,6 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         column = self.columns[section]
         if role == (Role.DisplayRole if column.icon is None else Role.AccessibleTextRole):
             return column.title.format(unit=self.unit)
-        if role == Role.DecorationRole and column.icon is not None:
-            return load_icon(column.name)
         return f"{insert_keys(column.tip)}{self.unit_suffix(column)}" if role == Role.ToolTipRole else None
 
     def data(self, index: CellIndex, role: int = Role.DisplayRole) -> Any:
@@ -361,6 +359,7 @@ class SortableTable(QTableView):
         for index, width in enumerate(self._measure_samples()):
             self.setColumnHidden(index, False)
             title = header.sectionSizeHint(index) - arrow * (index != header.sortIndicatorSection())
+            title *= self.rows.columns[index].icon is None
             self._widths[index] = max(width, title)
             self.setColumnWidth(index, self._widths[index])
         self._fit_columns()
