@@ -16,7 +16,7 @@ from cpm_core.numerics.types import Array, Index, Integers, Mask
 _SMOOTHING = 0.8
 """Standard deviation that smooths the steps between voxels for a surface [voxels]."""
 
-_MARGIN = 3
+_EMPTY_MARGIN = 3
 """Empty voxels added on all sides before a surface is built [voxels]."""
 
 _MIN_LEVEL_OFFSET = 0.15
@@ -31,7 +31,7 @@ _PATCH_REACHES = (2.0, 2.5, 3.0, 3.5, 4.0)
 
 def surround_voxels(mask: Mask, origin: Integers) -> Surface:
     """Build the surface around exactly the true voxels of a mask that begins at a voxel."""
-    inside = np.pad(mask, _MARGIN)
+    inside = np.pad(mask, _EMPTY_MARGIN)
     level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _SMOOTHING) - np.float32(0.5)
     level = np.where(inside, np.maximum(level, _MIN_LEVEL_OFFSET), np.minimum(level, -_MIN_LEVEL_OFFSET))
     # a few planes at a time, so that the window gets its turn; vertices on the planes between occur twice
@@ -46,7 +46,7 @@ def surround_voxels(mask: Mask, origin: Integers) -> Surface:
     is_new = np.append(True, (ordered[1:] != ordered[:-1]).any(axis=1))
     numbers = np.empty(len(order), np.int64)
     numbers[order] = np.cumsum(is_new) - 1
-    return Surface(ordered[is_new] + np.array(origin) - _MARGIN, numbers[faces])
+    return Surface(ordered[is_new] + np.array(origin) - _EMPTY_MARGIN, numbers[faces])
 
 
 def follow_painted_voxels(surface: Surface, before: Mask, after: Mask, origin: Integers) -> Surface:
@@ -69,7 +69,7 @@ def follow_painted_voxels(surface: Surface, before: Mask, after: Mask, origin: I
     changed = before != after
     if not changed.any():
         return surface
-    reach = int(max(_PATCH_REACHES)) + _MARGIN
+    reach = int(max(_PATCH_REACHES)) + _EMPTY_MARGIN
     window = expand_window(bounding_window(changed), reach, changed.shape)
     first = np.array(origin) + [side.start for side in window]
     away = scipy.ndimage.distance_transform_edt(~np.pad(changed[window], reach))
@@ -100,7 +100,7 @@ def _join_at_rims(one: Array, faces: Index, other: Array, more: Index) -> Surfac
     strips = [faces, more + len(one)]
     if rims:
         trees = [scipy.spatial.cKDTree(vertices[rim]) for rim in opposite]
-        apart = np.array([[tree.query(vertices[rim])[0].mean() for tree in trees] for rim in rims])
+        apart = np.array([[np.mean(tree.query(vertices[rim])[0]) for tree in trees] for rim in rims])
         for i, j in zip(*scipy.optimize.linear_sum_assignment(apart), strict=True):
             strips.append(np.array([*_build_strip(vertices, rims[i][::-1], opposite[j])]))
     used, numbers = np.unique(np.concatenate(strips), return_inverse=True)
@@ -142,7 +142,7 @@ def _trace_rims(faces: Index) -> list[list[int]]:
 def _build_strip(vertices: Array, one: list[int], other: list[int]) -> Iterator[tuple[int, int, int]]:
     """Build triangles between two rims that run the same way, always along the shorter diagonal."""
     tree = scipy.spatial.cKDTree(vertices[other])
-    gaps, nearest = tree.query(vertices[one])
+    gaps, nearest = map(np.asarray, tree.query(vertices[one]))
     begin = int(gaps.argmin())
     one = [*one[begin:], *one[: begin + 1]]
     begin = int(nearest[begin])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import scipy
@@ -10,14 +11,17 @@ import scipy
 from cpm_core.contours.surface_agreement import TriangleSamples
 from cpm_core.formats.common.content import missing_package_message
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.types import Index, Mask, frozen
+from cpm_core.numerics.types import Array, Index, Mask, frozen
 from cpm_core.parameters.formatting import quote_value
 
 MAX_SMOOTHING = 100
 """Largest number of rounds of smoothing."""
 
-_SHRINK, _GROW = 0.5, -0.53
-"""Shares of the way to the middle of its neighbors that a vertex goes, and goes back."""
+_SHRINKING = 0.5
+"""Share of the way to the middle of its neighbors that a vertex goes."""
+
+_GROWTH = -0.53
+"""Share of that way that it then goes back."""
 
 
 @frozen
@@ -105,13 +109,13 @@ def _smooth(surface: Surface, rounds: int) -> Surface:
     """Move vertices towards their neighbors and back, but those on a rim."""
     count = len(surface.vertices)
     begin, end = surface.faces[:, [0, 1, 2]].ravel(), surface.faces[:, [1, 2, 0]].ravel()
-    links = scipy.sparse.coo_array((np.ones(2 * len(begin)), (np.r_[begin, end], np.r_[end, begin])), (count, count))
-    links = links.tocsr()
-    degree = links.sum(axis=1)
+    pairs = np.concatenate([begin, end]), np.concatenate([end, begin])
+    links: Any = scipy.sparse.coo_array((np.ones(2 * len(begin)), pairs), (count, count)).tocsr()
+    degree: Array = links.sum(axis=1)
     free = degree > 0.0
     free[np.repeat(np.arange(count), np.diff(links.indptr))[links.data == 1.0]] = False  # the sides of one triangle
     vertices = surface.vertices.copy()
-    for share in (_SHRINK, _GROW) * rounds:
+    for share in (_SHRINKING, _GROWTH) * rounds:
         vertices[free] += share * ((links @ vertices)[free] / degree[free, None] - vertices[free])
     return replace(surface, vertices=vertices)
 

@@ -194,7 +194,7 @@ class ViewInSpace:
         radius = _find_particle_radius(coarseness) / camera.scale
         by = max(_OBJECT_OFFSET_VOXELS * min(self.image.spacing), _OBJECT_OFFSET_RADII * radius)
         nearer = replace(camera, center=camera.center + by * camera.axes[2])
-        layers = []
+        layers: list[tuple[float, int, Camera, ColoredMesh]] = []
         for each in self._shown_surfaces:
             seen_by = camera if each.mesh is self.mesh else nearer
             if each.opacity >= 1.0:

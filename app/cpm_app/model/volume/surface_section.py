@@ -69,7 +69,7 @@ def _cut_region(region: Region, here: Slice) -> tuple[Line, ...]:
     changed = before != after
     if not changed.any():
         return exact
-    near = running_maximum(np.pad(changed, _REACH), _REACH)
+    near: Mask = running_maximum(np.pad(changed, _REACH), _REACH)
     there = polygon_from_boundary(_outline_pixels(near, begin - _REACH))
     old, new = polygon_from_boundary(exact), polygon_from_boundary(_outline_pixels(after, begin))
     return boundary_from_polygon(old.difference(there).union(new.intersection(there)))

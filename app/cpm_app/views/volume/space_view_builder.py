@@ -102,7 +102,7 @@ def _build_object_meshes(
     shown = [(_find_body(item, bodies), objects.color_of(item), item.opacity) for item in seen]
     found = [each.selection.surface for each in offered]
     shown += [(surface, theme.PROPOSAL_COLOR, 1.0) for surface in found]
-    return tuple(_color_surface(body, spacing, *look) for body, *look in shown if body is not None)
+    return tuple(_color_surface(body, spacing, color, faded) for body, color, faded in shown if body is not None)
 
 
 def _find_body(item: SegmentedObject, bodies: Mapping[int, Surface]) -> Surface | None:
