@@ -76,11 +76,11 @@ def follow_painted_voxels(surface: Surface, before: Mask, after: Mask, origin: I
     patch = surround_voxels(after[window], tuple(first.tolist()))
     distances = [_look_up(away, body.vertices - first + reach) for body in (surface, patch)]
     for limit in _PATCH_REACHES:
-        kept = surface.faces[(distances[0][surface.faces] > limit).all(axis=1)]
+        gone = (distances[0][surface.faces] <= limit).any(axis=1)
         new = patch.faces[(distances[1][patch.faces] <= limit).all(axis=1)]
-        joined = _join_at_rims(surface.vertices, kept, patch.vertices, new)
-        if joined is not None and joined.closed:
-            return replace(joined, spacing=surface.spacing, unit=surface.unit)
+        joined = _replace_faces(surface, gone, patch.vertices, new)
+        if joined is not None:
+            return joined
     return replace(surround_voxels(after, origin), spacing=surface.spacing, unit=surface.unit)
 
 
@@ -89,22 +89,32 @@ def _look_up(values: Array, places: Array) -> Array:
     return np.asarray(scipy.ndimage.map_coordinates(values, places.T, order=1, cval=np.inf))
 
 
-def _join_at_rims(one: Array, faces: Index, other: Array, more: Index) -> Surface | None:
-    """Join two open surfaces of the same orientation by strips between rims; None where these do not match."""
-    faces, more = _drop_pinches(faces), _drop_pinches(more)
-    rims, opposite = _trace_rims(faces), _trace_rims(more)
+def _replace_faces(surface: Surface, gone: Mask, vertices: Array, new: Index) -> Surface | None:
+    """Replace triangles of a closed surface by others, with strips between the rims; None where these do not match."""
+    while len(pinched := _find_pinches(surface.faces[gone])):
+        gone |= np.isin(surface.faces, pinched).any(axis=1)
+    while len(pinched := _find_pinches(new)):
+        new = new[~np.isin(new, pinched).any(axis=1)]
+    rims, opposite = _trace_rims(surface.faces[gone]), _trace_rims(new)
     if len(rims) != len(opposite):
         return None
-    vertices = np.concatenate([one, other])
-    opposite = [[at + len(one) for at in rim] for rim in opposite]
-    strips = [faces, more + len(one)]
+    count = len(surface.vertices)
+    places = np.concatenate([surface.vertices, vertices])
+    opposite = [[at + count for at in rim] for rim in opposite]
+    patch = [new + count]
     if rims:
-        trees = [scipy.spatial.cKDTree(vertices[rim]) for rim in opposite]
-        apart = np.array([[np.mean(tree.query(vertices[rim])[0]) for tree in trees] for rim in rims])
+        trees = [scipy.spatial.cKDTree(places[rim]) for rim in opposite]
+        apart = np.array([[np.mean(tree.query(places[rim])[0]) for tree in trees] for rim in rims])
         for i, j in zip(*scipy.optimize.linear_sum_assignment(apart), strict=True):
-            strips.append(np.array([*_build_strip(vertices, rims[i][::-1], opposite[j])]))
-    used, numbers = np.unique(np.concatenate(strips), return_inverse=True)
-    return Surface(vertices[used], numbers.reshape(-1, 3)) if len(used) else None
+            patch.append(np.array([*_build_strip(places, rims[i], opposite[j])]))
+    filled = np.concatenate(patch)
+    same_rims = {*map(tuple, _find_free_edges(filled).tolist())} == {
+        *map(tuple, _find_free_edges(surface.faces[gone]).tolist())
+    }
+    if not same_rims or Surface(places, filled).nonmanifold_edges or (gone.all() and not len(filled)):
+        return None
+    used, numbers = np.unique(np.concatenate([surface.faces[~gone], filled]), return_inverse=True)
+    return replace(surface, vertices=places[used], faces=numbers.reshape(-1, 3))
 
 
 def _find_free_edges(faces: Index) -> Index:
@@ -115,14 +125,10 @@ def _find_free_edges(faces: Index) -> Index:
     return ends[~np.isin(forth, back)]
 
 
-def _drop_pinches(faces: Index) -> Index:
-    """Remove triangles until no vertex lies on two rims."""
-    while True:
-        begins, counts = np.unique(_find_free_edges(faces)[:, 0], return_counts=True)
-        pinched = begins[counts > 1]
-        if not len(pinched):
-            return faces
-        faces = faces[~np.isin(faces, pinched).any(axis=1)]
+def _find_pinches(faces: Index) -> Index:
+    """Find the vertices that lie on two rims."""
+    begins, counts = np.unique(_find_free_edges(faces)[:, 0], return_counts=True)
+    return begins[counts > 1]
 
 
 def _trace_rims(faces: Index) -> list[list[int]]:
