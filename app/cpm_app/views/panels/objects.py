@@ -65,7 +65,7 @@ def _state_column(icon: str, title: str, tip: str, state: ObjectState, word: str
         return "" if row.kind == "proposal" else special if on else ordinary, on
 
     return Column(
-        icon, title, tip, lambda row: word if getattr(row.item, state) else None, "00", icon=choose_icon,
+        icon, title, tip, lambda row: word if getattr(row.item, state) else None, "0", icon=choose_icon,
         sort_by=lambda row: getattr(row.item, state),
     )  # fmt: skip
 

@@ -311,6 +311,7 @@ class SortableTable(QTableView):
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
         header = self.horizontalHeader()
         header.setHighlightSections(False)
+        header.setMinimumSectionSize(_COLUMN_PADDING)
         # With the selection model of the table, the header would query each cell of each selected row in every paint.
         header.setSelectionModel(QItemSelectionModel(rows, header))
         header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)

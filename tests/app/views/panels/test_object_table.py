@@ -139,7 +139,7 @@ def test_lengths_and_areas_are_in_the_unit_of_the_image(window, hand, table) -> 
     session.edit("size of a pixel", lambda d: set_pixel_size(d, (0.5, 0.25), "µm"))
     assert column(table, "area") == [f"{1500 * 0.125:.0f}", "2"]
     assert column(table, "length") == [f"{math.fsum((160 * 0.375, 40 * 0.375)):.3g}", "6"]
-    tip = table.model().headerData(3, Qt.Orientation.Horizontal, Qt.ItemDataRole.ToolTipRole)
+    tip = table.model().headerData(table.column_index("area"), Qt.Orientation.Horizontal, Qt.ItemDataRole.ToolTipRole)
     assert tip.endswith("µm²")
 
 
