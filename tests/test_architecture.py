@@ -51,6 +51,7 @@ LATE_LIBRARIES = {
     "cpm_core.formats.contours.dxf": {"ezdxf"},
     "cpm_core.formats.contours.geojson": {"shapely"},
     "cpm_core.formats.contours.svg": {"svgelements"},
+    "cpm_core.formats.meshes.simplification": {"fast_simplification"},
     "cpm_core.formats.masks.dicom_seg": {"highdicom", "pydicom"},
     "cpm_core.formats.masks.nifti": {"nibabel"},
     "cpm_core.formats.surface_file": {"nibabel"},

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from cpm_core.formats import IMAGES_READABLE, check_export
+from cpm_core.formats.meshes.simplification import Simplification
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX
 from cpm_core.image.colors import CONTRAST_CHOICE, LUMINANCE_CHOICE
 from cpm_core.image.geometry import CONVENTIONS
@@ -118,6 +119,16 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
         "help": "Coordinates in files of a surface or of center lines. LPS (default): to the left, back and head of a "
         "patient; RAS: to the right, front and head.",
     },
+    "--surface-smoothing": {
+        "metavar": "ROUNDS",
+        "type": parse_whole_number,
+        "help": "Smooth a surface before it is written, and say how far this moves it (default: 0).",
+    },
+    "--surface-triangles": {
+        "metavar": "SHARE",
+        "type": float,
+        "help": "Write this share of the triangles of a surface, such as 0.25 (default: 1).",
+    },
     "--export": {"metavar": "PATH", "nargs": "+", "action": "extend", "default": []},
     "--workers": {
         "metavar": "N",
@@ -131,6 +142,12 @@ _SHARED_OPTIONS: dict[str, JsonDict] = {
     },
 }
 """Options that several commands share; see `parse_part` for those that select a part of a file."""
+
+SURFACE_OPTIONS = ("--space", "--surface-smoothing", "--surface-triangles")
+"""Options of files of surfaces."""
+
+SURFACE_FIELDS = tuple(name.removeprefix("--").replace("-", "_") for name in SURFACE_OPTIONS)
+"""Their names among the arguments."""
 
 PART_OPTIONS = ("--page", "--time", "--series", "--pixel-size")
 """Options for the part of a file, and for setting the size of a pixel."""
@@ -221,6 +238,13 @@ def parse_parameters(arguments: argparse.Namespace, base: Parameters) -> Paramet
     """Return the parameters `base` with those given as flags replaced; ValueError on a bad value."""
     given = {field.name: getattr(arguments, field.name, None) for field in fields(Parameters)}
     return replace(base, **{name: value for name, value in given.items() if value is not None})
+
+
+def collect_surface_options(arguments: argparse.Namespace) -> JsonDict:
+    """Return the options of `export` for files of surfaces; ValueError when one is out of range."""
+    given = {name: getattr(arguments, name) for name in SURFACE_FIELDS if getattr(arguments, name) is not None}
+    Simplification(given.get("surface_smoothing", 0), given.get("surface_triangles", 1.0))
+    return given
 
 
 def refuse_options(arguments: argparse.Namespace, names: Iterable[str], purpose: str) -> None:

@@ -9,7 +9,15 @@ from typing import Any, cast
 
 import numpy as np
 
-from cpm_core.cli.arguments import EXPORT_HELP, add_options, check_exports, check_targets, parse_whole_number
+from cpm_core.cli.arguments import (
+    EXPORT_HELP,
+    SURFACE_OPTIONS,
+    add_options,
+    check_exports,
+    check_targets,
+    collect_surface_options,
+    parse_whole_number,
+)
 from cpm_core.cli.inputs import (
     fit_parameters,
     locate_image,
@@ -80,7 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--objects", action="store_true", help="Write the objects of a session, not its contours.")
     parser.add_argument("--outlines", action="store_true", help="Draw lines in label masks, not areas.")
-    add_options(parser, "--space")
+    add_options(parser, *SURFACE_OPTIONS)
 
 
 def run_export(arguments: argparse.Namespace) -> int:
@@ -106,7 +114,7 @@ def run_export(arguments: argparse.Namespace) -> int:
     else:
         result = _read_volume_result(source, arguments) if of_volumes else _read_plane_result(source, arguments)
     files = OutputFiles()
-    options = {"outlines": arguments.outlines, "space": arguments.space or "LPS"}
+    options = {"outlines": arguments.outlines, **collect_surface_options(arguments)}
     files.export_result(result, arguments.to, image=image, warn=print_message, **options)
     missing = {
         path: count_left_out(result, find_format_suffix(path), outlines=arguments.outlines) for path in files.written

@@ -13,6 +13,7 @@ from typing import Any
 from cpm_core.cli.arguments import (
     EXPORT_HELP,
     PART_OPTIONS,
+    SURFACE_OPTIONS,
     add_options,
     add_parameter_options,
 )
@@ -154,6 +155,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where = parser.add_argument_group("workers", "For an image of OME-Zarr, which --auto runs chunk by chunk.")
     add_options(where.add_mutually_exclusive_group(), "--workers", "--scheduler")
     outcome = parser.add_argument_group("outcome")
+    add_options(outcome, *SURFACE_OPTIONS)
     add_options(outcome, "--export", help=EXPORT_HELP.format(what="what is found", suffixes=", ".join(_WRITABLE)))
     outcome.add_argument(
         "--truth", metavar="FILE", help="Compare with a ground truth: a mask, contours, or a label volume."
@@ -222,8 +224,8 @@ def _run_image(request: RunRequest) -> int:
         shown,
         request.exports,
         image=request.path,
-        space=request.space,
-        warn=lambda sentence: print_message(f"{sentence} {_OPEN_CONTOURS_ADVICE}"),
+        **request.surface_options,
+        warn=lambda sentence: print_message(sentence if image.ndim == 3 else f"{sentence} {_OPEN_CONTOURS_ADVICE}"),
     )
     if request.session_file is not None:
         own = request.has_session_image

@@ -11,8 +11,10 @@ from typing import Any
 from cpm_core.chunked import results, volume_results
 from cpm_core.chunked.chunk_run import CHUNKED_START_KINDS
 from cpm_core.cli.arguments import (
+    SURFACE_FIELDS,
     check_exports,
     check_targets,
+    collect_surface_options,
     group_coordinates,
     parse_number_list,
     parse_number_or_text,
@@ -38,7 +40,6 @@ from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, SessionFile
 from cpm_core.formats.sessions.session_run import is_volume_session
 from cpm_core.formats.stack_files import STACKS_WRITABLE
 from cpm_core.image.colors import LUMINANCE_CHOICE
-from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import VolumeRegions
 from cpm_core.numerics.polyline import as_line
@@ -116,8 +117,8 @@ class RunRequest:
         Whether each page starts from the contours of the one before.
     exports : sequence of str
         Files to write.
-    space : str
-        Directions of the coordinates in files of a surface.
+    surface_options : mapping
+        How files of a surface are written: options of `export`.
     truth_file, session_file : str or None
         The ground truth to compare with, and the session to write.
     workers, scheduler : int or None, str or None
@@ -146,7 +147,7 @@ class RunRequest:
     pages: str | None
     follows_pages: bool
     exports: Sequence[str]
-    space: Convention
+    surface_options: JsonObject
     truth_file: str | None
     session_file: str | None
     workers: int | None
@@ -217,7 +218,7 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
         pages=arguments.pages,
         follows_pages=arguments.follow,
         exports=arguments.export,
-        space=arguments.space or "LPS",
+        surface_options=collect_surface_options(arguments),
         truth_file=arguments.truth,
         session_file=arguments.save_session,
         workers=arguments.workers,
@@ -326,7 +327,7 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, is_volum
     if is_volume:
         refuse_options(arguments, ("circle", "polygon", "pages", "save_session"), "images, but a volume is run")
     else:
-        refuse_options(arguments, ("space",), "volumes, but an image is run")
+        refuse_options(arguments, SURFACE_FIELDS, "volumes, but an image is run")
     if not (arguments.objects or arguments.object or _has_start(arguments, session)):
         if session.mode == "skeleton":
             raise ValueError("The session is for a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
@@ -365,7 +366,7 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
 def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Parameters, is_volume: bool) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
     drawn = ("circle", "polygon", "stroke", "points", "sphere", "start", "region", "barrier", "charge", "object", "not")
-    other = ("session", "pages", "truth", "space", "save_session", "method")
+    other = ("session", "pages", "truth", *SURFACE_FIELDS, "save_session", "method")
     refuse_options(arguments, (*drawn, *other), "an image that is run in one piece")
     if arguments.auto not in CHUNKED_START_KINDS:
         raise ValueError(

@@ -35,6 +35,7 @@ from cpm_core.formats.exportable import Exportable, as_result
 from cpm_core.formats.masks import dicom_seg, itk_snap, labels, nifti, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.formats.meshes.coordinates import ExportMesh, build_mesh
+from cpm_core.formats.meshes.simplification import AS_FOUND, Simplification, measure_change, simplify_surface
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.image.surface import Surface
@@ -223,6 +224,8 @@ def export(
     outlines: bool = False,
     image: AnyPath | Image | None = None,
     space: Convention = "LPS",
+    surface_smoothing: int = 0,
+    surface_triangles: float = 1.0,
     warn: Callable[[str], object] = _LOG.warning,
     refused: Callable[[Path, str], object] | None = None,
 ) -> None:
@@ -246,8 +249,13 @@ def export(
         folder of the series, for files that refer to it (labelme, DICOM SEG).
     space : {"LPS", "RAS"}
         Directions of x, y and z of surfaces and center lines, which the files state; see `Geometry`.
+    surface_smoothing : int
+        Rounds of smoothing of a surface in files of triangles.
+    surface_triangles : float
+        Share of its triangles that these files keep; below 1, the package ``fast-simplification`` is needed.
     warn : callable, optional
-        Called with a sentence for each file that omits contours; by default a warning is logged.
+        Called with a sentence for each file that omits something, or whose surface was made simpler, with how far this
+        moved it; by default a warning is logged.
     refused : callable, optional
         Called with each file for which the result holds nothing, and the reason in a sentence; by default that is an
         error.
@@ -271,7 +279,10 @@ def export(
     for file in files:
         check_export(file)
     named = [(file, find_format_suffix(file)) for file in files]
-    options: JsonDict = {"outlines": outlines, "image": image, "space": space, "refused": refused}
+    simpler = Simplification(surface_smoothing, surface_triangles)
+    options: JsonDict = {
+        "outlines": outlines, "image": image, "space": space, "simpler": simpler, "refused": refused
+    }  # fmt: skip
     write_together(encode_files(result, named, warn=lambda file, sentence: warn(f"{file}: {sentence}"), **options))
 
 
@@ -283,13 +294,17 @@ def encode_files(
     outlines: bool = False,
     image: AnyPath | Image | None = None,
     space: Convention = "LPS",
+    simpler: Simplification = AS_FOUND,
     refused: Callable[[Path, str], object] | None = None,
 ) -> list[tuple[Path, bytes]]:
     """Encode files, each given with the suffix of its format, as `export` does; those that are refused are left out."""
     contents: list[tuple[Path, bytes]] = []
     found, path = as_result(result, image if isinstance(image, Image) else None), _path_of(image)
+    reduced, moved = found, ""
+    if simpler and isinstance(found, Result) and any(suffix in SURFACE_SUFFIXES for _, suffix in files):
+        reduced, moved = simplify_result_surface(found, simpler)
     for file, suffix in files:
-        written = found
+        written = reduced if suffix in SURFACE_SUFFIXES else found
         if suffix == ".labelme.json" and path is not None and not isinstance(found, Centerlines):
             written = labelme.set_relative_source(found, file, path)
         try:
@@ -301,9 +316,23 @@ def encode_files(
                 raise
             refused(file, str(error))
             continue
-        if missing := describe_omissions(found, suffix, outlines=outlines):
-            warn(file, missing)
+        told = describe_omissions(found, suffix, outlines=outlines), moved * (suffix in SURFACE_SUFFIXES)
+        if any(told):
+            warn(file, " ".join(filter(None, told)))
     return contents
+
+
+def simplify_result_surface(result: Result, wanted: Simplification) -> tuple[Result, str]:
+    """Make the surface of a result simpler; also return how far this moved it, in a sentence."""
+    if result.surface is None:
+        return result, ""
+    surface = simplify_surface(result.surface, wanted)
+    change, unit = measure_change(result.surface, surface), surface.unit or "voxels"
+    few, many = (f"{len(each.faces):,}" for each in (surface, result.surface))
+    return replace(result, surface=surface), (
+        f"The surface was made simpler: {few} of {many} triangles, moved by {change.mean:.3g} {unit} on average and by "
+        f"{change.largest:.3g} {unit} at most."
+    )
 
 
 def _path_of(image: AnyPath | Image | None) -> Path | None:
@@ -360,6 +389,9 @@ def describe_omissions(result: Outcome | Centerlines, suffix: str, *, outlines: 
         sentences.append(
             f"{count} of {len(result.contours)} contours {'is' if count == 1 else 'are'} open and not in {what}."
         )
+    if suffix in SURFACE_SUFFIXES and isinstance(result, Result) and result.surface and result.surface.left_out:
+        parts = format_count(result.surface.left_out, "part was", "parts were")
+        sentences.append(f"{parts} left out, for too few particles.")
     hidden = 0
     if suffix in MASK_SUFFIXES and not outlines and isinstance(result, Result) and result.surface is None:
         hidden = len(set(assign_labels(result.contours)) - {0, *np.unique(result.labels).tolist()})

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cached_property, lru_cache
-from itertools import pairwise
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 import scipy
 
 from cpm_core.image.surface import Surface, voxelize_surface
+from cpm_core.image.voxel_surface import follow_painted_voxels, surround_voxels
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import (
     Window,
@@ -21,9 +21,10 @@ from cpm_core.numerics.grids import (
     relative_window,
     true_bounds,
     window_shape,
-    zero_surface,
 )
+from cpm_core.numerics.packed_mask import PackedMask
 from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Place, record
+from cpm_core.numerics.weak_cache import WeakCache
 
 MAX_BOX_VOXELS = 2**28
 """Largest box around a surface [voxels]; filling it takes at least one byte per voxel."""
@@ -48,8 +49,9 @@ class Region:
         holes. A place is inside when an odd number of them encloses it. Empty where only the pixels are known, and in a
         volume.
     surface : Surface or None
-        The closed surface around a region of a volume [voxels]; None where only the voxels are known.
-    pixels : ndarray of bool or None
+        The closed surface around a region of a volume [voxels]; None where only the voxels are known. Where other
+        voxels have been painted than lie inside, it is to follow these (`find_surface`).
+    pixels : PackedMask or None
         The pixels in a box; None for all whose centers lie inside the boundary or the surface.
     first : tuple of int or None
         The pixel of the image that this box begins at, which may lie outside; None for a box that is the whole image.
@@ -62,15 +64,11 @@ class Region:
 
     boundary: tuple[Line, ...] = ()
     surface: Surface | None = None
-    pixels: Mask | None = None
+    pixels: PackedMask | None = None
     first: Integers | None = None
 
     def __post_init__(self) -> None:
-        if self.pixels is not None:
-            pixels = np.array(self.pixels, bool, order="C")
-            pixels.flags.writeable = False
-            object.__setattr__(self, "pixels", pixels)
-        elif self.surface is not None:
+        if self.surface is not None:
             if not self.surface.closed:
                 raise ValueError("The surface around an object is not closed, so nothing is inside.")
             sides = np.ceil(np.ptp(self.surface.vertices, axis=0)).tolist()
@@ -86,18 +84,19 @@ class Region:
         window = bounding_window(mask) if mask.any() else (slice(0, 0),) * mask.ndim
         begin = [0] * mask.ndim if first is None else first
         return cls(
-            pixels=mask[window], first=tuple(int(at) + side.start for at, side in zip(begin, window, strict=True))
+            pixels=PackedMask.pack(mask[window]),
+            first=tuple(int(at) + side.start for at, side in zip(begin, window, strict=True)),
         )
 
     @classmethod
     def from_pixels(cls, pixels: Index) -> Self:
         """Make the region of some pixels, shape (N, D)."""
         if not len(pixels):
-            return cls(pixels=np.zeros((0,) * pixels.shape[1], bool))
+            return cls(pixels=PackedMask.pack(np.zeros((0,) * pixels.shape[1], bool)))
         first = pixels.min(axis=0)
         mask = np.zeros(pixels.max(axis=0) + 1 - first, bool)
         mask[tuple((pixels - first).T)] = True
-        return cls(pixels=mask, first=tuple(first.tolist()))
+        return cls(pixels=PackedMask.pack(mask), first=tuple(first.tolist()))
 
     @classmethod
     def from_surface(cls, surface: Surface) -> Self:
@@ -105,11 +104,9 @@ class Region:
         return cls(surface=Surface(surface.vertices.astype(np.float32), surface.faces))
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Region) or (self.boundary, self.first) != (other.boundary, other.first):
+        if not isinstance(other, Region):
             return False
-        if (self.pixels is None, self.surface is None) != (other.pixels is None, other.surface is None):
-            return False
-        if self.pixels is not other.pixels and not np.array_equal(self.pixels, other.pixels):  # type: ignore[arg-type]
+        if (self.boundary, self.first, self.pixels) != (other.boundary, other.first, other.pixels):
             return False
         one, two = self.surface, other.surface
         return one is two or (
@@ -118,21 +115,25 @@ class Region:
         )  # fmt: skip
 
     def __hash__(self) -> int:
-        size = None if self.pixels is None else (self.pixels.shape, self.size)  # painted versions of an object differ
         count = None if self.surface is None else len(self.surface.faces)
-        return hash((len(self.boundary), self.boundary[:1] and self.boundary[0][:2], count, self.first, size))
+        return hash((len(self.boundary), self.boundary[:1] and self.boundary[0][:2], count, self.first, self.pixels))
 
     # Pixels
 
     @property
     def ndim(self) -> int:
         """Number of axes: 2, or 3 in a volume."""
-        return self.pixels.ndim if self.pixels is not None else 2 if self.surface is None else 3
+        return len(self.pixels.shape) if self.pixels is not None else 2 if self.surface is None else 3
 
     @property
     def is_empty(self) -> bool:
         """Whether nothing is inside."""
-        return not (self.boundary or self.surface or (self.pixels is not None and self.pixels.any()))
+        return not (self.boundary or self.surface) if self.pixels is None else not self.pixels.count
+
+    @property
+    def count(self) -> int:
+        """Number of pixels."""
+        return self._box[1].count
 
     @property
     def origin(self) -> Integers:
@@ -141,21 +142,21 @@ class Region:
 
     @property
     def mask(self) -> Mask:
-        """The pixels in a box around them."""
-        return self._box[1]
+        """The pixels in a box around them, unpacked."""
+        return self._box[1].unpack()
 
     @cached_property
-    def _box(self) -> tuple[Integers, Mask]:
+    def _box(self) -> tuple[Integers, PackedMask]:
         if self.pixels is not None:
-            return self.first or (0,) * self.pixels.ndim, self.pixels
+            return self.first or (0,) * self.ndim, self.pixels
         if not self.boundary and self.surface is None:
-            return (0, 0), np.zeros((0, 0), bool)
+            return (0, 0), PackedMask.pack(np.zeros((0, 0), bool))
+        if self.surface is not None:
+            return _FILLED_SURFACES.get(_fill_surface, self.surface)
         low, high = self.bounds
-        first, end = np.floor(low).astype(np.int64) - 1, np.ceil(high).astype(np.int64) + 2
-        if self.surface is None:
-            return self.cut_to(tuple(first.tolist()), tuple(end.tolist()))
-        there = replace(self.surface, vertices=self.surface.vertices - first)
-        return tuple(first.tolist()), voxelize_surface(there, tuple((end - first).tolist()))
+        first, end = np.floor(low).astype(int) - 1, np.ceil(high).astype(int) + 2
+        begin, mask = self.cut_to(tuple(first.tolist()), tuple(end.tolist()))
+        return begin, PackedMask.pack(mask)
 
     def cut_to(self, begin: Corner, end: Corner) -> tuple[Integers, Mask]:
         """Return the pixels from a corner up to another: those in a box, and the first pixel of the box.
@@ -167,11 +168,11 @@ class Region:
             first = np.clip(np.floor(low), begin, end).astype(int)
             last = np.clip(np.ceil(high) + 1, first, end).astype(int)
             return tuple(first.tolist()), self._rasterize(tuple(first.tolist()), tuple(last.tolist()))
-        origin, mask = self._box
+        origin, packed = self._box
         first = np.clip(origin, begin, end)
-        last = np.clip(np.add(origin, mask.shape), first, np.maximum(first, end))
-        there = tuple(map(slice, np.minimum(first - origin, mask.shape), np.minimum(last - origin, mask.shape)))
-        return tuple(first.tolist()), mask[there]
+        last = np.clip(np.add(origin, packed.shape), first, np.maximum(first, end))
+        sides = (np.minimum(edge - origin, packed.shape).tolist() for edge in (first, last))
+        return tuple(first.tolist()), packed.cut(tuple(map(slice, *sides)))
 
     def _rasterize(self, first: Integers, last: Integers) -> Mask:
         """Mark the pixels of a box inside the boundary; those of the last box are kept, as each click needs them."""
@@ -196,7 +197,7 @@ class Region:
     @property
     def window(self) -> Window:
         """Rows and columns of the box around the pixels."""
-        return tuple(slice(at, at + side) for at, side in zip(self.origin, self.mask.shape, strict=True))
+        return tuple(slice(at, at + side) for at, side in zip(self.origin, self._box[1].shape, strict=True))
 
     def cut_out(self, window: Window) -> Mask:
         """Return the pixels in a window, which may begin outside the image."""
@@ -229,9 +230,13 @@ class Region:
             for curve in self.boundary:
                 found ^= polyline.points_inside(curve, places)
             return found
-        at = np.rint(places).astype(np.int64) - self.origin
-        there = ((at >= 0) & (at < self.mask.shape)).all(axis=1)
-        found[there] = self.mask[tuple(at[there].T)]
+        origin, packed = self._box
+        at = np.rint(places).astype(np.int64) - origin
+        there = ((at >= 0) & (at < packed.shape)).all(axis=1)
+        if there.any():
+            low, high = at[there].min(axis=0), at[there].max(axis=0) + 1
+            near = packed.cut(tuple(map(slice, low.tolist(), high.tolist())))
+            found[there] = near[tuple((at[there] - low).T)]
         return found
 
     def contains(self, place: Place) -> bool:
@@ -240,44 +245,52 @@ class Region:
 
     def _find_overlap(self, other: Region) -> tuple[Window, Mask]:
         """Find the part of the box of this region in which another lies, and the pixels of the other there."""
-        first, mask = other.cut_to(self.origin, np.add(self.origin, self.mask.shape))
+        first, mask = other.cut_to(self.origin, [side.stop for side in self.window])
         return tuple(slice(at - b, at - b + n) for at, b, n in zip(first, self.origin, mask.shape, strict=True)), mask
 
     def united(self, other: Region) -> Region:
-        """Return the pixels of this region and of another."""
+        """Return the pixels of this region and of another; its surface stays, where it has one."""
         window = enclose_windows(self.window, other.window)
+        if window == self.window:
+            return self._changed(other, adds=True)
         found = np.zeros(window_shape(window), bool)
         for one in (self, other):
             found[relative_window(one.window, window)] |= one.mask
-        return Region.from_mask(found, [side.start for side in window])
+        return replace(Region.from_mask(found, [side.start for side in window]), surface=self.surface)
 
     def without(self, other: Region) -> Region:
-        """Return the pixels of this region that are not those of another."""
-        there, taken = self._find_overlap(other)
-        left = self.mask.copy()
-        left[there] &= ~taken
-        return Region.from_mask(left, self.origin)
+        """Return the pixels of this region that are not those of another; its surface stays, where it has one."""
+        left = self._changed(other, adds=False)
+        if (left.pixels is not None and left.pixels.is_tight) or left.is_empty:
+            return left
+        return replace(Region.from_mask(left.mask, left.origin), surface=left.surface)
+
+    def _changed(self, other: Region, adds: bool) -> Region:
+        """Return the region with the pixels of another in its box added or removed."""
+        origin, packed = self._box
+        there, mask = self._find_overlap(other)
+        return Region(surface=self.surface, pixels=packed.changed(there, mask, adds), first=origin)
 
     def shared_with(self, other: Region) -> Region:
         """Return the pixels that this region has in common with another."""
         there, mask = self._find_overlap(other)
-        return Region.from_mask(self.mask[there] & mask, np.add(self.origin, [side.start for side in there]))
+        return Region.from_mask(self._box[1].cut(there) & mask, np.add(self.origin, [side.start for side in there]))
 
     def count_shared(self, other: Region) -> int:
         """Count the pixels that this region has in common with another."""
         there, mask = self._find_overlap(other)
-        return int(np.count_nonzero(self.mask[there] & mask))
+        return int(np.count_nonzero(self._box[1].cut(there) & mask))
 
     def compute_iou(self, other: Region) -> float:
         """Compute the overlap (intersection over union) with another region; 0 when both are empty."""
         both = self.count_shared(other)
-        whole = np.count_nonzero(self.mask) + np.count_nonzero(other.mask) - both
+        whole = self.count + other.count - both
         return both / whole if whole else 0.0
 
     @cached_property
     def filled(self) -> Region:
         """The region with its holes."""
-        return Region(pixels=scipy.ndimage.binary_fill_holes(self.mask), first=self.origin)
+        return Region(pixels=PackedMask.pack(scipy.ndimage.binary_fill_holes(self.mask)), first=self.origin)
 
     @cached_property
     def shell(self) -> Region:
@@ -306,7 +319,7 @@ class Region:
     def bounds(self) -> tuple[Array, Array]:
         """Lowest and highest position along each axis of the boundary, or else of the pixels, each of shape (D,)."""
         if self.pixels is not None:
-            low, high = true_bounds(self.pixels).astype(float) + (self.first or 0)
+            low, high = true_bounds(self.pixels.unpack()).astype(float) + (self.first or 0)
             return low, high
         corners = np.concatenate(self.boundary) if self.surface is None else self.surface.vertices
         return corners.min(axis=0), corners.max(axis=0)
@@ -330,54 +343,54 @@ class Region:
     def size(self) -> float:
         """Area without holes [px²], or volume [voxels]: within the boundary, or else of the pixels."""
         if self.pixels is not None:
-            return float(np.count_nonzero(self.pixels))
+            return float(self.pixels.count)
         if self.surface is not None:
             return self.surface.volume
         outer = self.outer_curves
         return float(sum(polyline.enclosed_area(curve) * (1.0 if curve in outer else -1.0) for curve in self.boundary))
 
+    @property
+    def unpainted(self) -> Region:
+        """What the surface encloses; without one the region itself."""
+        return self if self.surface is None else Region(surface=self.surface)
+
     def find_surface(self) -> Surface:
-        """Return the surface around a region of a volume [voxels]: where only voxels are known, around exactly them."""
-        return self.surface or _build_surface(self)
+        """Return the surface around a region of a volume [voxels].
+
+        Where it is known, it is the same to the bit but near voxels that were painted; else it runs around exactly the
+        voxels.
+        """
+        if self.surface is not None and self.pixels is None:
+            return self.surface
+        return _BUILT_SURFACES.get(_build_surface, self)
 
     def translated(self, offset: Place) -> Region:
-        """Return the region displaced along each axis of a volume; voxels to the nearest whole one."""
-        if self.surface is not None:
+        """Return the region displaced along each axis of a volume; painted voxels to the nearest whole one."""
+        if self.surface is not None and self.pixels is None:
             return Region.from_surface(replace(self.surface, vertices=self.surface.vertices + np.array(offset)))
         return Region.from_mask(self.mask, np.rint(np.add(self.origin, offset)).astype(int))
 
 
-_VOXEL_SMOOTHING = 0.8
-"""Standard deviation that smooths the steps between voxels for a surface [voxels]."""
-
-_SURFACE_MARGIN = 3
-"""Empty voxels added on all sides before a surface is built [voxels]."""
-
-_MIN_LEVEL_OFFSET = 0.15
-"""Least difference of a smoothed voxel from the level of the surface, so that it stays on its side."""
-
-_PLANES_PER_PIECE = 16
-"""Planes of a surface that are built at once: meanwhile the interpreter does nothing else."""
-
-_CACHED_SURFACES = 32
-"""Number of regions whose surfaces are cached: an undo stack holds many versions of each."""
+_BUILT_SURFACES = WeakCache[Surface](8)
+"""The surfaces of painted regions that were asked for last."""
 
 
-@lru_cache(maxsize=_CACHED_SURFACES)
 def _build_surface(region: Region) -> Surface:
-    inside = np.pad(region.mask, _SURFACE_MARGIN)
-    level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _VOXEL_SMOOTHING) - np.float32(0.5)
-    level = np.where(inside, np.maximum(level, _MIN_LEVEL_OFFSET), np.minimum(level, -_MIN_LEVEL_OFFSET))
-    # a few planes at a time, so that the window gets its turn; vertices on the planes between occur twice
-    ends = pairwise([*range(0, len(level) - 1, _PLANES_PER_PIECE), len(level) - 1])
-    inner = [(0, side) for side in level.shape[1:]]
-    parts = [zero_surface(level, ((first, last + 1), *inner)) for first, last in ends]
-    counts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
-    vertices = np.concatenate([part for part, _ in parts])
-    faces = np.concatenate([part + count for (_, part), count in zip(parts, counts, strict=False)])
-    order = np.lexsort(vertices.T)  # much faster than np.unique(axis=0)
-    ordered = vertices[order]
-    is_new = np.append(True, (ordered[1:] != ordered[:-1]).any(axis=1))
-    numbers = np.empty(len(order), np.int64)
-    numbers[order] = np.cumsum(is_new) - 1
-    return Surface(ordered[is_new] + np.array(region.origin) - _SURFACE_MARGIN, numbers[faces])
+    """Build the surface around voxels, near those that were painted if there was one."""
+    if region.surface is None:
+        return surround_voxels(region.mask, region.origin)
+    window = enclose_windows(region.window, region.unpainted.window)
+    before, after = (one.cut_out(window) for one in (region.unpainted, region))
+    return follow_painted_voxels(region.surface, before, after, tuple(side.start for side in window))
+
+
+_FILLED_SURFACES = WeakCache[tuple[Integers, PackedMask]](256)
+"""The voxels inside surfaces, which all painted versions of a region share."""
+
+
+def _fill_surface(surface: Surface) -> tuple[Integers, PackedMask]:
+    """Mark the voxels inside a surface in a box; return its first voxel, too."""
+    first = np.floor(surface.vertices.min(axis=0)).astype(np.int64) - 1
+    end = np.ceil(surface.vertices.max(axis=0)).astype(np.int64) + 2
+    there = replace(surface, vertices=surface.vertices - first)
+    return tuple(first.tolist()), PackedMask.pack(voxelize_surface(there, tuple((end - first).tolist())))

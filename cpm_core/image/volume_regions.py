@@ -25,6 +25,7 @@ from cpm_core.image.regions import Regions, pixels_in_polygon
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.packed_mask import PackedMask
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number
 from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, frozen, record
 from cpm_core.numerics.vectors import Vector, row_of
@@ -268,10 +269,10 @@ class VolumeRegions:
                     isinstance(limit, Region)
                     and limit.pixels is not None
                     and limit.first is None
-                    and limit.mask.shape != shape
+                    and limit.pixels.shape != shape
                 ):
                     raise ValueError(
-                        f"the mask of {noun} {number} has {format_size(limit.mask.shape, 'voxels')} but must "
+                        f"the mask of {noun} {number} has {format_size(limit.pixels.shape, 'voxels')} but must "
                         f"have those of the volume, {size}."
                     )
         for number, limit in enumerate(self.interest, start=1):
@@ -373,7 +374,7 @@ def _check_limit(what: str, form: str, given: ArrayLike | Region | Extrusion) ->
     try:
         array = np.asarray(given)
         if array.dtype == np.bool_ and array.ndim == 3:
-            return Region(pixels=array)
+            return Region(pixels=PackedMask.pack(array))
         pair = as_real_array(array)
     except (TypeError, ValueError):
         pair = np.zeros(0)

@@ -212,7 +212,7 @@ class VolumePartition:
         if previous is not None:
             within, beyond = _append_new_points(previous.inside, within), _append_new_points(previous.outside, beyond)
         painted = None
-        if previous is not None and previous.has_boundary and previous.region.surface is None:
+        if previous is not None and previous.has_boundary and previous.region.pixels is not None:
             painted = previous.region if previous.prediction is None else None  # else cut by excluded voxels
         wanted, unwanted = self.find_body_numbers(within), self.find_body_numbers(beyond)
         chosen = np.setdiff1d(wanted, unwanted)
@@ -351,8 +351,8 @@ class VolumePartition:
         region = Region(surface=surface)
         if prediction is not None and remark != CONFLICTING_POINT_REMARK:
             beyond, within = (Region.from_pixels(self._find_nearest_voxels(given)) for given in (outside, inside))
-            voxels = region.without(beyond).united(within)
-            region = Region(surface=surface, pixels=voxels.mask, first=voxels.origin)
+            if beyond.count_shared(region) or within.count_shared(region) < within.size:
+                region = region.without(beyond).united(within)
         return replace(self.build_selection(region, inside, outside), remark=remark, prediction=prediction)
 
     def _predict_bodies(self, place: Array, count: int | None = None) -> list[BodyPrediction]:

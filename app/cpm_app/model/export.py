@@ -21,11 +21,13 @@ from cpm_core.formats import (
     FIGURE_SUFFIXES,
     SKELETONS_WRITABLE,
     STACKS_WRITABLE,
+    SURFACE_SUFFIXES,
     VOLUMES_WRITABLE,
     choose_file_name,
     count_left_out,
     encode_measures_table,
 )
+from cpm_core.formats.meshes.simplification import Simplification, measure_change, simplify_surface
 from cpm_core.image import Convention
 from cpm_core.numerics import polyline
 from cpm_core.numerics.packages import has_package
@@ -160,6 +162,8 @@ class ExportOrder:
         Where the coordinates of a surface point.
     in_units : bool
         Whether lengths are in the unit of the image too, where it is known.
+    simpler : Simplification
+        How the surface in files of triangles is made simpler.
     """
 
     files: tuple[ExportFile, ...] = ()
@@ -169,9 +173,12 @@ class ExportOrder:
     simplify_all_formats: bool = False
     space: Convention = "LPS"
     in_units: bool = True
+    simpler: Simplification = Simplification()
 
     def should_simplify(self, suffix: str) -> bool:
-        """Tell whether vertices are left out in a format."""
+        """Tell whether something is left out or smoothed in a format."""
+        if suffix in SURFACE_SUFFIXES:
+            return bool(self.simpler)
         return self.tolerance > 0.0 and (self.simplify_all_formats or suffix in HAND_EDITED_SUFFIXES)
 
 
@@ -215,11 +222,23 @@ def prepare_export(
     return replace(result, contours=kept, bridges=select_bridges_on(result.bridges, kept))
 
 
-def simplify_result(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:
-    """Leave out vertices of a result, so that its lines move by no more than a tolerance [px]."""
+def simplify_result(result: Result | Skeleton, order: ExportOrder) -> Result | Skeleton:
+    """Leave out vertices of a result, so that its lines move by no more than the tolerance; simplify its surface."""
     if isinstance(result, Skeleton):  # whose vertices have radii
         return result
-    return replace(result, contours=tuple(_simplify_contour(contour, tolerance) for contour in result.contours))
+    if result.surface is not None:
+        return replace(result, surface=simplify_surface(result.surface, order.simpler))
+    return replace(result, contours=tuple(_simplify_contour(contour, order.tolerance) for contour in result.contours))
+
+
+def describe_change(before: Result | Skeleton, after: Result | Skeleton) -> str:
+    """Tell how far the surface of a result was moved when it was made simpler; empty if it was not."""
+    if not isinstance(before, Result) or not isinstance(after, Result) or before.surface in (None, after.surface):
+        return ""
+    assert before.surface is not None and after.surface is not None
+    change, unit = measure_change(before.surface, after.surface), before.surface.unit or tr("voxels")
+    mean, largest = (localize_number(f"{away:.3g}") for away in (change.mean, change.largest))
+    return tr("moved by {mean} {unit} on average, {largest} at most", mean=mean, unit=unit, largest=largest)
 
 
 def _simplify_contour(contour: Contour, tolerance: float) -> Contour:
@@ -240,7 +259,9 @@ def describe_export(result: Result | Skeleton, kind: ExportKind, suffix: str) ->
         count = len(groups if surface is None or surface.numbers is None else set(surface.numbers.tolist()))
         text = tr("1 object") if count == 1 else tr("{count} objects", count=count)
     elif surface is not None:
-        return tr("a surface of {count} triangles", count=localize_number(f"{len(surface.faces):,}"))
+        text = tr("a surface of {count} triangles", count=localize_number(f"{len(surface.faces):,}"))
+        left = surface.left_out and suffix in SURFACE_SUFFIXES
+        return f"{text}, {tr('{count} parts left out', count=surface.left_out)}" if left else text
     else:
         count = len(result.contours) - missing
         text = tr("1 contour") if count == 1 else tr("{count} contours", count=count)

@@ -121,7 +121,7 @@ def correct_label(image: cpm.Image, labels: Index, number: int, inside: Array, o
         previous = partition.build_selection(mask, middle)
     else:
         surface = surface_from_labels(mask.astype(np.int32), image.spacing, image.unit)
-        previous = partition.build_selection(Region(surface=surface, pixels=mask), middle)
+        previous = partition.build_selection(Region(surface=surface), middle)
     better = partition.select(np.concatenate([middle, inside]), outside, previous=previous).mask
     return np.where(better & ((labels == 0) | mask), number, np.where(mask, 0, labels))
 

@@ -15,6 +15,7 @@ import json
 import math
 import zlib
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -25,6 +26,7 @@ from cpm_core.image.region import MAX_BOX_VOXELS, Region
 from cpm_core.image.regions import Regions
 from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
+from cpm_core.numerics.packed_mask import PackedMask
 from cpm_core.numerics.types import JsonDict, JsonObject, Line, Numbers, Texts, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import quote_value
@@ -210,40 +212,56 @@ class _PackedSurface:
 
 
 def _region_to_json(region: Region) -> JsonDict:
-    """Convert a region to its boundary, its surface in single precision, or its pixels, eight in a byte."""
+    """Convert a region to its boundary, its surface in single precision, and its pixels, eight in a byte."""
+    if region.surface is None and region.pixels is None:
+        return {"boundary": to_json(region.boundary)}
+    found: JsonDict = {}
     if region.surface is not None:
         packed = {"vertices": region.surface.vertices.astype("<f4"), "faces": region.surface.faces.astype("<i4")}
-        return {name: _encode_bytes(values.tobytes()) for name, values in packed.items()}
+        found = {name: _encode_bytes(values.tobytes()) for name, values in packed.items()}
     if region.pixels is not None:
-        voxels = _encode_bytes(np.packbits(region.pixels).tobytes())
-        return {"first": to_json(region.first), "shape": region.pixels.shape, "voxels": voxels}
-    return {"boundary": to_json(region.boundary)}
+        voxels = _encode_bytes(np.packbits(region.mask).tobytes())
+        found |= {"first": to_json(region.first), "shape": region.pixels.shape, "voxels": voxels}
+    return found
 
 
 def _parse_region(plain: object, where: str) -> Region:
-    """Parse a region, checking the number of its voxels before memory is allocated."""
+    """Parse a region."""
     given = expect_mapping(plain, where)
     if "boundary" in given:
         return Region(_parse_value(tuple[Line, ...], given["boundary"], f"boundary of {where}"))
-    if "vertices" in given:
-        packed = from_json(_PackedSurface, plain, where)
-        vertices, faces = (_decode_bytes(text, None, where) for text in (packed.vertices, packed.faces))
-        if len(vertices) % 12 or len(faces) % 12:
-            raise ValueError(f"{where} is damaged: it does not consist of triangles.")
-        corners, numbers = np.frombuffer(vertices, "<f4"), np.frombuffer(faces, "<i4")
-        try:
-            return Region(surface=Surface(corners.reshape(-1, 3), numbers.reshape(-1, 3)))
-        except ValueError as error:
-            raise ValueError(f"{where} cannot be used: {error}") from error
+    triangles = {name: given[name] for name in ("vertices", "faces") if name in given}
+    box = {name: text for name, text in given.items() if name not in triangles}
+    surface = _parse_surface(triangles, where) if triangles else None
+    if triangles and not box:
+        return Region(surface=surface)
+    return replace(_parse_voxels(box, where), surface=surface)
+
+
+def _parse_surface(plain: JsonObject, where: str) -> Surface:
+    """Parse the closed surface of a region."""
+    packed = from_json(_PackedSurface, plain, where)
+    vertices, faces = (_decode_bytes(text, None, where) for text in (packed.vertices, packed.faces))
+    if len(vertices) % 12 or len(faces) % 12:
+        raise ValueError(f"{where} is damaged: it does not consist of triangles.")
+    corners, numbers = np.frombuffer(vertices, "<f4"), np.frombuffer(faces, "<i4")
+    try:
+        surface = Surface(corners.reshape(-1, 3), numbers.reshape(-1, 3))
+        Region(surface=surface)
+    except ValueError as error:
+        raise ValueError(f"{where} cannot be used: {error}") from error
+    return surface
+
+
+def _parse_voxels(plain: JsonObject, where: str) -> Region:
+    """Parse the voxels of a region, checking their number before memory is allocated."""
     box = from_json(_PackedBox, plain, where)
     count = math.prod(box.shape)
     if min(box.shape) < 1 or count > MAX_BOX_VOXELS:
         raise ValueError(f"shape of {where} is {quote_value(box.shape)} but may be {MAX_BOX_VOXELS:,} voxels at most.")
     bits = _decode_bytes(box.voxels, -(-count // 8), where)
-    return Region(
-        pixels=np.unpackbits(np.frombuffer(bits, np.uint8), count=count).reshape(box.shape).astype(bool),
-        first=box.first,
-    )
+    mask = np.unpackbits(np.frombuffer(bits, np.uint8), count=count).reshape(box.shape).astype(bool)
+    return Region(pixels=PackedMask.pack(mask), first=box.first)
 
 
 _VALUE_PARSERS: dict[Any, Callable[[object, str], Any]] = {

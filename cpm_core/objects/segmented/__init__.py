@@ -1,7 +1,9 @@
 """Segmented objects, as a session keeps them: clicks, boundary and class; uniting, splitting and painting them."""
 
+from cpm_core.objects.segmented.areas import boundary_from_polygon as boundary_from_polygon
 from cpm_core.objects.segmented.areas import lies_on as lies_on
 from cpm_core.objects.segmented.areas import paint_boundary as paint_boundary
+from cpm_core.objects.segmented.areas import polygon_from_boundary as polygon_from_boundary
 from cpm_core.objects.segmented.areas import unite_objects as unite_objects
 from cpm_core.objects.segmented.by_hand import Halves as Halves
 from cpm_core.objects.segmented.by_hand import mark_gaps as mark_gaps

@@ -36,7 +36,7 @@ def unite_bodies(first: Region, second: Region) -> Region:
     smooth minimum (I. Quilez, 2013), which closes the slit between objects that touch.
     """
     one, other = first.surface, second.surface
-    if one is None or other is None:
+    if one is None or other is None or first.pixels or second.pixels:
         return first.united(second)
     low = np.minimum(one.vertices.min(axis=0), other.vertices.min(axis=0))
     high = np.maximum(one.vertices.max(axis=0), other.vertices.max(axis=0))

@@ -63,7 +63,8 @@ def voxelize_brush(
 def paint_voxels(objects: SegmentedObjects, number: int, part: Region, adds: bool = True) -> SegmentedObjects:
     """Add voxels to one of the objects of a volume, or remove them; an object without any left is dropped.
 
-    Voxels of other objects are not added, or, if objects may overlap, taken from those that are not frozen or hidden.
+    Surfaces stay where nothing is painted. Voxels of other objects are not added, or, if objects may overlap, taken
+    from those that are not frozen or hidden.
 
     Parameters
     ----------
@@ -92,7 +93,7 @@ def paint_voxels(objects: SegmentedObjects, number: int, part: Region, adds: boo
     for other, region in painted.items():
         if region.is_empty:
             del known[other]
-        elif region.size != np.count_nonzero(known[other].region.mask):
+        elif region.count != known[other].region.count:
             known[other] = replace(known[other], clicks=(), region=region)
     ends = replace(objects, clicks=(), edited=0) if objects.edited in painted else objects
     return replace(ends, items=tuple(known.values()))
@@ -119,8 +120,8 @@ def split_painted_object(item: SegmentedObject, first: Place, second: Place, sid
     found = skimage.segmentation.watershed(height, seeds, mask=inside)  # type: ignore[no-untyped-call]
     around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
     found = np.where(inside, found[tuple(around)], 0)  # assign pieces that are connected to neither point
-    halves = (Region.from_mask(found == number, begin) for number in (1, 2))
-    one, other = (replace(item, clicks=(), region=half) for half in halves)
+    halves = [Region.from_mask(found == number, begin) for number in (1, 2)]
+    one, other = (replace(item, clicks=(), region=item.region.without(half)) for half in reversed(halves))
     return Halves(one, other, ())
 
 

@@ -73,8 +73,8 @@ class SegmentedObject:
     clicks : tuple of Click
         Clicks that it was selected by, in order; empty if it was found otherwise.
     region : Region
-        Its pixels with their boundary; in a volume its surface, or only its voxels once it has been painted. Empty for
-        an open object.
+        Its pixels with their boundary; in a volume its surface, its voxels, or both once it has been painted. Empty
+        for an open object.
     gaps : tuple of tuple
         Stretches of the boundary that follow no contour.
     confidence : float
@@ -89,6 +89,8 @@ class SegmentedObject:
         Whether it keeps its boundary and is a barrier for particles.
     hidden : bool
         Whether it is not shown.
+    opacity : float
+        How opaque it is shown, from 0 to 1.
     line : tuple of (row, col)
         The vertices of an open object in px of the image: a line that encloses nothing; empty for any other object.
     model : str
@@ -111,6 +113,7 @@ class SegmentedObject:
     category: int = 1
     frozen: bool = False
     hidden: bool = False
+    opacity: float = 1.0
     line: Line = ()
     model: str = ""
 
@@ -130,6 +133,8 @@ class SegmentedObject:
             raise ValueError(f"The class of an object is {self.category} but must be from 1 to {CLASS_COUNT}.")
         if not 0.0 <= self.confidence <= 1.0:
             raise ValueError(f"The confidence of an object is {self.confidence} but must be from 0 to 1.")
+        if not 0.0 <= self.opacity <= 1.0:
+            raise ValueError(f"The opacity of an object is {self.opacity} but must be from 0 to 1.")
         check_color("an object", self.color)
 
     @property

@@ -34,6 +34,10 @@ def test_an_object_that_a_place_lies_in_is_written_alone_and_compared_with_label
     assert facts["volume"] == pytest.approx(4.0 / 3.0 * np.pi * 6.0**3, rel=0.05)
     assert facts["area"] == pytest.approx(4.0 * np.pi * 6.0**2, rel=0.05)
     assert b"SPACE=RAS" in (tmp_path / "a.ply").read_bytes()
+    status, _, err = command("export", tmp_path / "a.ply", "--to", tmp_path / "b.stl", "--surface-smoothing", "5")
+    assert status == 0 and "on average and by" in err
+    status, _, err = command("export", tmp_path / "a.ply", "--to", tmp_path / "b.stl", "--surface-triangles", "2")
+    assert (status, "must be above 0" in err) == (2, True)
     agreed = facts["truth"]
     assert (agreed["source"], agreed["unit"]) == ("labels.npy", None)
     assert agreed["dice"] > 0.97 and agreed["mean_distance"] < 0.4

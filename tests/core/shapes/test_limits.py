@@ -11,6 +11,7 @@ from cpm_core.formats.common.json_values import shape_from_json, to_json
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
 from cpm_core.image.region import Region
 from cpm_core.model.starts import check_seeds
+from cpm_core.numerics.packed_mask import PackedMask
 from cpm_core.shapes import EnclosedRegion, EnclosingWall, Grid
 
 SQUARE = ((0.0, 0.0), (0.0, 100.0), (100.0, 100.0), (100.0, 0.0))
@@ -43,7 +44,7 @@ def test_starts_that_crowd_a_pixel_are_thinned_and_others_are_not():
 
 @pytest.mark.parametrize("kind", [EnclosedRegion, EnclosingWall])
 @pytest.mark.parametrize(
-    "region", [Region(), Region((SQUARE,)), Region(pixels=np.zeros((2, 2, 2), bool), first=(0, 0, 0))]
+    "region", [Region(), Region((SQUARE,)), Region(pixels=PackedMask.pack(np.zeros((2, 2, 2), bool)))]
 )
 def test_a_limit_of_a_volume_without_voxels_is_refused_when_its_session_is_read(kind, region):
     plain = {"shape": kind.__name__.lower(), "region": json.loads(json.dumps(to_json(region)))}

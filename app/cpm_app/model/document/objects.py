@@ -64,6 +64,10 @@ SelectionUpdate = tuple[Selection, Clicks, int]
 """A selection with its clicks and the number of the object that it replaces, 0 for a new one."""
 
 
+_KEPT_PROPERTIES = ("name", "color", "category", "frozen", "hidden", "opacity")
+"""What an object keeps when its boundary is replaced."""
+
+
 def accept_objects(document: Document, accepted: Iterable[SegmentedObject], *, ends: bool = False) -> Document:
     """Add objects, or replace the boundaries of existing ones with the same numbers.
 
@@ -76,9 +80,7 @@ def accept_objects(document: Document, accepted: Iterable[SegmentedObject], *, e
     for one in accepted:
         old = known.get(one.number)
         if old is not None:
-            items[old.number] = replace(
-                one, name=old.name, color=old.color, category=old.category, frozen=old.frozen, hidden=old.hidden
-            )
+            items[old.number] = replace(one, **{name: getattr(old, name) for name in _KEPT_PROPERTIES})
         else:
             own = one.number in rejected or one.number <= objects.taken
             number = one.number if own else max((*items, *rejected, objects.taken)) + 1
@@ -172,11 +174,12 @@ def replace_boundaries(document: Document, found: Iterable[SelectionUpdate]) -> 
 def object_from_selection(selection: Selection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
     """Make an object of a selection that is not empty."""
     if selection.region.ndim == 3:
-        exact = selection.region.surface
-        if exact is None:  # the clicks no longer explain what has been painted
-            return SegmentedObject(number, (), selection.region, category=category)
-        exact_region = Region.from_surface(exact)
-        return SegmentedObject(number, clicks, exact_region, category=category, model=selection.model)
+        region = selection.region
+        if region.pixels is not None and selection.prediction is None:
+            clicks = ()  # they no longer explain what has been painted
+        if region.surface is not None:
+            region = replace(region, surface=Region.from_surface(region.surface).surface)
+        return SegmentedObject(number, clicks, region, category=category, model=selection.model)
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _SESSION_DECIMALS)
     item = object_from_contours(number, category, selection.contours, selection.gaps)
     return replace(item, clicks=clicks, confidence=confidence, model=selection.model)
@@ -206,7 +209,7 @@ def classify_objects(document: Document, numbers: Iterable[int], category: int) 
 
 
 def update_objects(document: Document, numbers: Iterable[int], **parts: Any) -> Document:
-    """Set the color of objects (empty: that of their class), or whether they are frozen or hidden."""
+    """Set the color of objects (empty: that of their class), their opacity, or whether they are frozen or hidden."""
     chosen = frozenset(numbers)
     items = tuple(replace(item, **parts) if item.number in chosen else item for item in document.objects.items)
     return _replace_objects(document, items=items)

@@ -86,10 +86,12 @@ class Wires:
 
 @record
 class ColoredMesh:
-    """A surface in a color of its own."""
+    """A surface in colors of its own, outside and where it is cut open; `opacity` is from 0 to 1."""
 
     mesh: SurfaceMesh
     color: RgbColor
+    inside: RgbColor
+    opacity: float = 1.0
 
 
 @record
@@ -158,9 +160,13 @@ class ViewInSpace:
             places = self.wires.ends.reshape(-1, 3) * np.array(spacing)
             draw_lines(picture, camera.project(places, size), self.wires.colors)
         self.draw_particles(picture, self.particles, camera, coarseness)
-        if shown.opacity > 0.0:
-            self._draw_surfaces(picture, camera, coarseness)
+        self._draw_surfaces(picture, camera, coarseness)
         return picture
+
+    @property
+    def is_translucent(self) -> bool:
+        """Whether anything is seen through a surface."""
+        return any(each.opacity < 1.0 for each in self._shown_surfaces)
 
     def draw_particles(
         self, picture: Picture, particles: ShownParticles | None, camera: Camera, coarseness: int = 1
@@ -174,20 +180,32 @@ class ViewInSpace:
             radius = particles.size * _find_particle_radius(coarseness)
             draw_balls(picture, camera.project(places, picture.size), colors, radius)
 
+    @property
+    def _shown_surfaces(self) -> list[ColoredMesh]:
+        """The surface of the run, and then the objects and the truth, with the opacity that they are seen with."""
+        found = [*(self.objects if self.shown.objects else ()), *self.truth]
+        if self.mesh is not None and self.shown.surface:
+            found.insert(0, ColoredMesh(self.mesh, _OUTSIDE_COLOR, _INSIDE_COLOR))
+        return [replace(each, opacity=each.opacity * self.shown.opacity) for each in found]
+
     def _draw_surfaces(self, picture: Picture, camera: Camera, coarseness: int) -> None:
-        """Draw the objects and the surface with one opacity, as an object often is the surface."""
-        opaque = self.shown.opacity >= 1.0
-        nearest = picture if opaque else Picture.blank(picture.size, BACKGROUND_COLOR)
+        """Draw the opaque surfaces, and over them the others, from the farthest front to the nearest."""
         # a little nearer than the surface of the run, whose triangles they share, and than its particles
         radius = _find_particle_radius(coarseness) / camera.scale
         by = max(_OBJECT_OFFSET_VOXELS * min(self.image.spacing), _OBJECT_OFFSET_RADII * radius)
         nearer = replace(camera, center=camera.center + by * camera.axes[2])
-        for each in (*(self.objects if self.shown.objects else ()), *self.truth):
-            draw_mesh(nearest, each.mesh, nearer, each.color, each.color, self.cut)
-        if self.mesh is not None and self.shown.surface:
-            draw_mesh(nearest, self.mesh, camera, _OUTSIDE_COLOR, _INSIDE_COLOR, self.cut)
-        if not opaque:
-            picture.overlay_picture(nearest, self.shown.opacity)
+        layers: list[tuple[float, int, Camera, ColoredMesh]] = []
+        for each in self._shown_surfaces:
+            seen_by = camera if each.mesh is self.mesh else nearer
+            if each.opacity >= 1.0:
+                draw_mesh(picture, each.mesh, seen_by, each.color, each.inside, self.cut)
+            elif each.opacity > 0.0:
+                front = camera.project(each.mesh.positions, picture.size)[:, 2].min(initial=np.inf)
+                layers.append((-float(front), len(layers), seen_by, each))
+        for *_, seen_by, each in sorted(layers):
+            layer = Picture.blank(picture.size, BACKGROUND_COLOR)
+            draw_mesh(layer, each.mesh, seen_by, each.color, each.inside, self.cut)
+            picture.overlay_picture(layer, each.opacity)
 
     def _draw_box(self, picture: Picture, camera: Camera) -> None:
         """Draw twelve edges; the three at the first voxel are the axes, in their own colors."""

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import scipy
@@ -14,22 +12,30 @@ from cpm_app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface
 from cpm_core.contours import slice_surface
 from cpm_core.image.region import Region
-from cpm_core.numerics import Array, polyline
+from cpm_core.numerics import Array, Mask, polyline
+from cpm_core.numerics.grids import Window, enclose_windows, running_maximum
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Line
-from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
+from cpm_core.numerics.weak_cache import WeakCache
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, boundary_from_polygon, polygon_from_boundary
 from cpm_core.objects.segmented.segmented_object import Clicks
 
-_CACHED_SURFACE_CUTS = 32
-"""Number of cuts of surfaces that are cached, as every move of the pointer needs them again."""
+_SURFACE_CUTS = WeakCache[tuple[Contour, ...]](32)
+"""Cuts of surfaces, as every move of the pointer needs them again."""
 
-_CACHED_BODY_CUTS = 256
-"""Number of cuts of objects that are cached: an edit leaves the cuts of other objects valid."""
+_BODY_CUTS = WeakCache[tuple[Line, ...]](256)
+"""Cuts of objects: an edit leaves the cuts of other objects valid."""
+
+_REACH = 2
+"""Distance from painted voxels within which the boundary follows voxels [voxels]."""
 
 
-@lru_cache(maxsize=_CACHED_SURFACE_CUTS)
 def cut_surface(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Cut a surface by a slice: closed contours in the slice, and open ones where the surface has a rim."""
+    return _SURFACE_CUTS.get(_cut_surface, surface, cut)
+
+
+def _cut_surface(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     lines = slice_surface(surface, cut.axis, cut.index)
     return tuple(replace(line, points=line.points[:, ::-1]) for line in lines) if cut.transposed else lines
 
@@ -43,26 +49,45 @@ def _cut_into_closed_lines(surface: Surface, here: Slice) -> tuple[Contour, ...]
     return tuple(each for each in cut_surface(surface, here) if each.closed and len(each.points) > 2)
 
 
-@lru_cache(maxsize=_CACHED_BODY_CUTS)
 def cut_region(region: Region, here: Slice) -> tuple[Line, ...]:
-    """Return the closed lines in which a slice cuts a region; around voxels they run halfway to their neighbors."""
-    return tuple(_iterate_boundary_lines(region, here))
+    """Return the closed lines in which a slice cuts a region; around voxels they run halfway to their neighbors.
+
+    The lines of a surface are kept but near voxels that were painted.
+    """
+    return _BODY_CUTS.get(_cut_region, region, here)
 
 
-def _iterate_boundary_lines(region: Region, here: Slice) -> Iterable[Line]:
+def _cut_region(region: Region, here: Slice) -> tuple[Line, ...]:
     if region.surface is None:
-        window = list(region.window)
-        window[here.axis] = slice(here.index, here.index + 1)
-        pixels = np.pad(replace(here, index=0).slice_array(region.cut_out(tuple(window))), 1)
-        begin = np.array(here.drop_axis(region.origin)) - 1.0
-        curves = skimage.measure.find_contours(pixels.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
-        for curve in curves:
-            yield as_line(curve[:-1] + begin)
-    else:
-        for contour in _cut_into_closed_lines(region.surface, here):
-            line = as_line(contour.points)
-            if len(set(line)) > 2:
-                yield line
+        return _outline_pixels(*_cut_voxels(region, here))
+    exact = tuple(as_line(contour.points) for contour in _cut_into_closed_lines(region.surface, here))
+    exact = tuple(line for line in exact if len(set(line)) > 2)
+    if region.pixels is None:
+        return exact
+    window = enclose_windows(region.window, region.unpainted.window)
+    (before, begin), (after, _) = (_cut_voxels(one, here, window) for one in (region.unpainted, region))
+    changed = before != after
+    if not changed.any():
+        return exact
+    near: Mask = running_maximum(np.pad(changed, _REACH), _REACH)
+    there = polygon_from_boundary(_outline_pixels(near, begin - _REACH))
+    old, new = polygon_from_boundary(exact), polygon_from_boundary(_outline_pixels(after, begin))
+    return boundary_from_polygon(old.difference(there).union(new.intersection(there)))
+
+
+def _cut_voxels(region: Region, here: Slice, window: Window | None = None) -> tuple[Mask, Array]:
+    """Return the pixels of a region in a slice, by default in its own box, and the first row and column."""
+    box = list(window or region.window)
+    box[here.axis] = slice(here.index, here.index + 1)
+    pixels = replace(here, index=0).slice_array(region.cut_out(tuple(box)))
+    return pixels, np.array(here.drop_axis(tuple(side.start for side in box)))
+
+
+def _outline_pixels(pixels: Mask, begin: Array) -> tuple[Line, ...]:
+    """Return the outlines of pixels that begin at a row and column."""
+    padded = np.pad(pixels, 1).astype(np.float32)
+    curves = skimage.measure.find_contours(padded, 0.5)  # type: ignore[no-untyped-call]
+    return tuple(as_line(curve[:-1] + begin - 1.0) for curve in curves)
 
 
 def cut_objects(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:

@@ -32,6 +32,9 @@ from cpm_core.shapes import relative_sides
 
 Made = TypeVar("Made")
 
+ObjectState = Literal["frozen", "hidden"]
+"""A state that is switched on and off."""
+
 
 def describe_unlikely(count: int) -> str:
     """Describe what to do with a number of proposals none of which is likely."""
@@ -150,20 +153,37 @@ class ObjectCommands(QObject):
             tr("color {what}"), lambda document, numbers: objects.update_objects(document, numbers, color=color)
         )
 
-    def toggle_state(self, state: Literal["frozen", "hidden"]) -> None:
-        """Freeze or hide the selected objects, or unfreeze or show them if all of them are frozen or hidden."""
-        on = not all(getattr(item, state) for item in self._list.selected_objects)
+    def toggle_state(self, state: ObjectState, key: ItemKey | None = None) -> None:
+        """Freeze or hide the selected objects, or unfreeze or show them if all of them are frozen or hidden.
+
+        With the key of a row that is not selected, only its object.
+        """
+        rows = [row for row in self._list.selected_rows if row.kind == "object"]
+        if key is not None and key not in {row.key for row in rows}:
+            rows = [row for row in self._list.rows if row.key == key and row.kind == "object"]
+        on = not all(getattr(row.item, state) for row in rows)
+        numbers = [row.key[1] for row in rows]
         words = {
             "hidden": (tr("show {what}"), tr("hide {what}")),
             "frozen": (tr("unfreeze {what}"), tr("freeze {what}")),
         }
-        self.edit_selected(words[state][on], lambda d, numbers: objects.update_objects(d, numbers, **{state: on}))
+        self._edit_rows(words[state][on], rows, lambda d: objects.update_objects(d, numbers, **{state: on}))
 
-    def edit_selected(self, undo_text: str, edit: Callable[[Document, Collection[int]], Document]) -> None:
+    def fade_selected(self, opacity: float) -> None:
+        """Set the opacity of the selected objects; in one undo step until others are selected."""
+        self.edit_selected(
+            tr("opacity of {what}"),
+            lambda document, numbers: objects.update_objects(document, numbers, opacity=opacity),
+            f"opacity {sorted(self._list.selected_numbers)}",
+        )
+
+    def edit_selected(
+        self, undo_text: str, edit: Callable[[Document, Collection[int]], Document], gesture: str = ""
+    ) -> None:
         """Edit the selected objects; `undo_text` names the edit of ``{what}`` for undo."""
         rows = [row for row in self._list.selected_rows if row.kind == "object"]
         numbers = [row.key[1] for row in rows]
-        self._edit_rows(undo_text, rows, lambda document: edit(document, numbers))
+        self._edit_rows(undo_text, rows, lambda document: edit(document, numbers), gesture=gesture)
 
     def merge_selected(self) -> None:
         """Merge the selected objects and proposals with an area into one; in a volume on another thread."""
@@ -255,7 +275,12 @@ class ObjectCommands(QObject):
                 self._list.select_objects(item.number for item in self._list.objects.items if item.number in numbers)
 
     def _edit_rows(
-        self, undo_text: str, rows: Sequence[ObjectRow], edit: Callable[[Document], Document], contours: int = 0
+        self,
+        undo_text: str,
+        rows: Sequence[ObjectRow],
+        edit: Callable[[Document], Document],
+        contours: int = 0,
+        gesture: str = "",
     ) -> None:
         """Edit the document, as an undo step that names the edited rows and the number of accepted contours."""
         count = len(rows) + contours
@@ -264,7 +289,7 @@ class ObjectCommands(QObject):
         if count == 1:
             what = rows[0].title if rows else tr("contour")
         if count or "{what}" not in undo_text:
-            self._session.edit(undo_text.format(what=what), edit)
+            self._session.edit(undo_text.format(what=what), edit, gesture)
 
     def _change_in_background(
         self, items: Sequence[SegmentedObject], compute: Callable[[], Made], on_result: Callable[[Made], object]

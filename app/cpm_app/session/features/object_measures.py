@@ -107,8 +107,9 @@ def gray_histogram(values: Array, image: Image) -> tuple[int, ...]:
 
 
 def _measure_object(item: SegmentedObject, image: Image) -> ObjectFigures:
-    values = image.values[item.region.paste(image.shape)]
-    gray, counts = float(values.mean()) if len(values) else float("nan"), gray_histogram(values, image)
+    first, mask = item.region.cut_to((0,) * image.ndim, image.shape)
+    values = image.stored[tuple(slice(at, at + side) for at, side in zip(first, mask.shape, strict=True))][mask]
+    gray, counts = float(values.mean(dtype=float)) if len(values) else float("nan"), gray_histogram(values, image)
     if image.ndim == 2:
         return ObjectFigures(gray, counts)
     body = item.region.find_surface()

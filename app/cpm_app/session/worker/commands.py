@@ -20,6 +20,7 @@ from cpm_app.model.export import (
     EXPORT_TITLES,
     ExportKind,
     ExportOrder,
+    describe_change,
     describe_export,
     encode_measures,
     prepare_export,
@@ -175,7 +176,7 @@ def write_files(
         image = None if run.method is None else run.method.image
         source = None if document.image is None else document.image.path
         made: dict[tuple[ExportKind, bool], Result | Skeleton] = {}
-        contents, counts = [], dict[ExportKind, str]()
+        contents, counts, changes = [], dict[ExportKind, str](), list[str]()
         try:
             found = run.wait_for_reconstruction(shown, is_wanted) if is_wanted() and needs_run else None
             if not is_wanted() or (needs_run and found is None):
@@ -189,7 +190,8 @@ def write_files(
                 key = file.kind, order.should_simplify(file.suffix)
                 if key not in made:
                     result = prepare_export(whole, document, order, file.kind, image)
-                    made[key] = simplify_result(result, order.tolerance) if key[1] else result
+                    made[key] = simplify_result(result, order) if key[1] else result
+                    changes.append(describe_change(result, made[key]))
                 shaped = made[key]
                 if file.suffix in FIGURE_SUFFIXES and shaped.image is None:
                     shaped = replace(shaped, image=image)
@@ -203,7 +205,7 @@ def write_files(
                 return
             write_together(contents)
             several = tr("{count} files", count=len(contents))
-            text = ", ".join([several] * (len(contents) > 1) + [*counts.values()])
+            text = ", ".join([*([several] * (len(contents) > 1)), *counts.values(), *filter(None, changes)])
             context.report(FilesExported(order.files[0].path, text))
         finally:
             task.end()

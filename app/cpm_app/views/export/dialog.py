@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 
 from PySide6.QtCore import QRectF, Qt, Signal
@@ -45,6 +46,7 @@ from cpm_app.views.widgets.fields import DecimalField
 from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Skeleton
 from cpm_core.formats import SURFACE_SUFFIXES, count_left_out
+from cpm_core.formats.meshes.simplification import MAX_SMOOTHING, Simplification
 from cpm_core.image import CONVENTIONS
 from cpm_core.numerics.types import frozen
 from cpm_core.shapes import select_measures
@@ -172,6 +174,12 @@ class ExportDialog(QDialog):
         self.tolerance, self._vertices, self._size = DecimalField(0.0, 10.0, 0.1, 1, " px"), QLabel(), QLabel()
         self.tolerance.setValue(0.5)
         self.tolerance.setAccessibleName(tr("Simplify"))
+        self.rounds = _create_number_field(tr("Rounds of smoothing"), 0, MAX_SMOOTHING, 0)
+        self.triangles = _create_number_field(tr("Triangles"), 1, 100, 100, " %")
+        self.triangles.setEnabled(find_spec("fast_simplification") is not None)
+        self.triangles.setToolTip(
+            tr("Leaving out triangles needs the package {package}.", package="fast-simplification")
+        )
         self.first = _create_number_field(tr("First step"), 0, exportable.last_step, 0)
         self.last = _create_number_field(tr("Last step"), 0, exportable.last_step, exportable.last_step)
         self.stride = _create_number_field(tr("Steps per frame"), 1, max(exportable.last_step, 1), 1)
@@ -179,7 +187,7 @@ class ExportDialog(QDialog):
         self.speed = _create_number_field(tr("Speed"), 1, 50, 15, tr(" per second"))
         self._kept: dict[str, QWidget] = {
             "everywhere": self.everywhere, "units": self.units, "tolerance": self.tolerance, "every": self.stride,
-            "width": self.width_field, "speed": self.speed,
+            "width": self.width_field, "speed": self.speed, "rounds": self.rounds, "triangles": self.triangles,
         }  # fmt: skip
         """Fields whose values are kept for the next export."""
         stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
@@ -214,6 +222,7 @@ class ExportDialog(QDialog):
             self.everywhere.isChecked(),
             self.space.currentData(),
             self.units.isChecked(),
+            Simplification(self.rounds.value(), self.triangles.value() / 100.0 if self.triangles.isEnabled() else 1.0),
         )
 
     @property
@@ -260,11 +269,15 @@ class ExportDialog(QDialog):
             field.setAccessibleName(tr("Class {number}").format(number=category))
             form.addRow(field.accessibleName(), field)
         self._thin = _create_row(self.tolerance, self.everywhere, self._vertices)
+        self._smooth = _create_row(
+            QLabel(self.rounds.accessibleName()), self.rounds, QLabel(self.triangles.accessibleName()), self.triangles
+        )
         self._steps = _create_row(self.first, QLabel(tr("to")), self.last, QLabel(tr("every")), self.stride)
         self._frames = _create_row(self.width_field, self.speed)
         for title, part in (
             ("", self.only),
             (tr("Simplify"), self._thin),
+            (tr("Surface"), self._smooth),
             ("", self.units),
             (tr("Coordinates"), self.space),
             (tr("Steps"), self._steps),
@@ -333,6 +346,7 @@ class ExportDialog(QDialog):
             show(field, "objects" in whats)
         show(self.only, bool(self._exportable.objects or self._exportable.contours))
         show(self._thin, drawn)
+        show(self._smooth, bool(suffixes & SURFACE_SUFFIXES) and self._volume)
         show(self.units, bool(self._image.unit))
         show(self.space, self._image.geometry is not None and bool(suffixes & SURFACE_SUFFIXES) and self._volume)
         for part in (self._steps, self._frames, self._size):
@@ -354,8 +368,8 @@ class ExportDialog(QDialog):
             if not self._volume and all(count_left_out(result, suffix) == len(result.contours) for suffix in suffixes):
                 problem = tr("Nothing can be exported: {what}.").format(what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
-            if any(map(order.should_simplify, suffixes)):
-                vertices[1] += sum(len(contour.points) for contour in simplify_result(result, order.tolerance).contours)
+            if any(map(order.should_simplify, suffixes)) and not self._volume:
+                vertices[1] += sum(len(contour.points) for contour in simplify_result(result, order).contours)
         few, many = (localize_number(f"{count:,}") for count in reversed(vertices))
         self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if vertices[1] else "")
         plan = self.animation_plan

@@ -122,13 +122,12 @@ _NAME_RIM = 300.0
 
 
 class TextLabels(ImageOverlay):
-    """Texts at positions of the image, or `above` them, at constant size for any zoom."""
+    """Texts above positions of the image, at constant size for any zoom."""
 
     count = 0
 
-    def __init__(self, z: float, *, above: bool = False) -> None:
+    def __init__(self, z: float) -> None:
         super().__init__(z, _NAME_RIM)
-        self._above = above
         self.texts: Sequence[tuple[Position, str, str]] = ()
 
     def show_texts(self, texts: Sequence[tuple[Position, str, str]]) -> None:
@@ -150,7 +149,9 @@ class TextLabels(ImageOverlay):
         for (row, col), text, color in self.texts:
             at = transform.map(QPointF(col, row))
             width, height = metrics.horizontalAdvance(text) + 2 * _NAME_PAD, metrics.height() + _NAME_PAD
-            top = at.y() - (height + _NAME_PAD if self._above else height / 2)
+            top = at.y() - height - _NAME_PAD
+            if at.y() >= 0.0:  # in view, as its text has to be
+                top = max(top, 0.0)
             room = QRectF(at.x() - width / 2, top, width, height)
             background = QColor(theme.CANVAS_HALO_COLOR)
             background.setAlpha(205)

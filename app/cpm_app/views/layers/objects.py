@@ -16,8 +16,8 @@ from cpm_app.views.items.item import Markers, TextLabels
 from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import theme
 from cpm_core import Selection
-from cpm_core.numerics import Array
-from cpm_core.objects.segmented import DEFAULT_CLASSES
+from cpm_core.numerics import Array, Position
+from cpm_core.objects.segmented import DEFAULT_CLASSES, SegmentedObject
 from cpm_core.results import is_likely
 
 _PROPOSAL_OPACITY = 0.2
@@ -73,7 +73,7 @@ class ObjectLayer(Layer):
         self.awaited = Markers(6.85, size=22.0, symbol="o", brush=None, pen=theme.PROPOSAL_COLOR)
         self._paths: dict[int, tuple[Array, ...]] = {}
         """Paths of the shown objects by object number."""
-        self._names, self._probabilities = TextLabels(5.8), TextLabels(5.85, above=True)
+        self._names, self._probabilities = TextLabels(5.8), TextLabels(5.85)
         self.add_items(self.fills, self._outlines, self._gaps, self._selected, self._hovered, self.proposal_fill)
         self.add_items(
             self._proposal_outlines, self._doubtful, self.added, self.removed, self._clicks, self._probabilities
@@ -129,11 +129,12 @@ class ObjectLayer(Layer):
         seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
         fill = self.get_amount("fill")
         self._paths = {item.number: item.paths for item in seen}
-        self.fills.show_areas([(item.paths, objects.color_of(item), fill) for item in seen if not item.line])
+        areas = [(item.paths, objects.color_of(item), fill * item.opacity) for item in seen if not item.line]
+        self.fills.show_areas(areas)
         outlines = [(path, objects.color_of(item)) for item in seen for path in item.paths]
         self._outlines.show_paths([path for path, _ in outlines], [color for _, color in outlines])
         self._gaps.show_paths([np.array(gap) for item in seen for gap in item.gaps])
-        self._names.show_texts([(item.center, item.name, objects.color_of(item)) for item in seen if item.name])
+        self._names.show_texts([(_find_top(item), item.name, objects.color_of(item)) for item in seen if item.name])
 
     @property
     def _proposals(self) -> list[tuple[int, Selection]]:
@@ -204,6 +205,11 @@ class ObjectLayer(Layer):
         """Mark the middle of each click that is being worked on by a dashed ring."""
         pen = pg.mkPen(theme.PROPOSAL_COLOR, width=2.5, style=Qt.PenStyle.DashLine)
         self.awaited.show_markers([each.places[len(each.places) // 2] for each in self.scene.objects.awaited], pen=pen)
+
+
+def _find_top(item: SegmentedObject) -> Position:
+    """Return the middle of the upper side of the box around an object."""
+    return float(item.box[0][0]), item.center[1]
 
 
 def _selection_curves(selection: Selection) -> list[Array]:

@@ -21,6 +21,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import (
     QComboBox,
     QHBoxLayout,
+    QLabel,
     QLineEdit,
     QMenu,
     QSizePolicy,
@@ -34,7 +35,7 @@ from cpm_app.model.document.objects import class_title, list_classes
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE
-from cpm_app.session.features.object_commands import ObjectCommands
+from cpm_app.session.features.object_commands import ObjectCommands, ObjectState
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_measures import ObjectFigures, gray_histogram
 from cpm_app.session.features.object_rows import ItemKey, ObjectRow, RowKind
@@ -44,7 +45,7 @@ from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import create_swatch, fill_colors
 from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
-from cpm_app.views.widgets.fields import DecimalField
+from cpm_app.views.widgets.fields import DecimalField, MarkedSlider
 from cpm_core import Image
 from cpm_core.numerics.types import Integers, Sides
 from cpm_core.objects.segmented import SegmentedObjects
@@ -55,10 +56,18 @@ def _object_figure_getter(get: Callable[[ObjectFigures], float | None]) -> Calla
     return lambda row: None if row.figures is None else get(row.figures)
 
 
-def _describe_state(row: ObjectRow) -> str | None:
-    """Describe whether the object of a row is frozen or hidden."""
-    words = ((row.item.frozen, tr("frozen")), (row.item.hidden, tr("hidden")))
-    return ", ".join(word for holds, word in words if holds) or None
+def _state_column(icon: str, title: str, tip: str, state: ObjectState, word: str) -> Column[ObjectRow]:
+    """Build the column of a state that a click on its icon changes."""
+    ordinary, special = ("eye", "eye_closed") if state == "hidden" else ("lock_open", "lock")
+
+    def choose_icon(row: ObjectRow) -> tuple[str, bool]:
+        on = getattr(row.item, state)
+        return "" if row.kind == "proposal" else special if on else ordinary, on
+
+    return Column(
+        icon, title, tip, lambda row: word if getattr(row.item, state) else None, "0", icon=choose_icon,
+        sort_by=lambda row: getattr(row.item, state),
+    )  # fmt: skip
 
 
 CONFIDENCE_TIP = tr(
@@ -88,6 +97,10 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
                sort_by=lambda row: (row.kind == "proposal") * 1e7 + abs(row.key[1])),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.item.name, "name"),
+        _state_column("eye", tr("Shown"), tr("A click on the eye hides an object, or shows it again."),
+                      "hidden", tr("hidden")),
+        _state_column("lock", tr("Frozen"), tr("A click on the lock freezes an object, or unfreezes it: frozen ones "
+                                               "are not changed, and stop particles."), "frozen", tr("frozen")),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or that it is a proposal."),
                describe_class, "proposal", sort_by=lambda row: 10 * (row.kind == "proposal") + row.item.category),
         Column("area", tr("Volume"), tr("Volume of the voxels inside, without hollows."),
@@ -109,8 +122,6 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
                _object_figure_getter(lambda found: found.gray), "000.0"),
         Column("strength", tr("Strength"), tr("Mean edge strength along the boundary [gray levels/px]."),
                lambda row: row.item.strength or None, "000.0"),
-        Column("state", tr("State"), tr("Frozen objects stop particles and are not found again."), _describe_state,
-               "frozen"),
         Column("gaps", tr("Surfaces"), tr("Number of closed surfaces that bound it: one more for each hollow."),
                _object_figure_getter(lambda found: found.parts), "0,000", number_format=".0f")
         if solid else
@@ -159,6 +170,10 @@ class ObjectTable(ItemTable):
     def hover_item(self, key: ItemKey | None) -> None:
         """Highlight a row, or none."""
         self._object_list.set_hovered_item(key)
+
+    def press_icon(self, key: ItemKey, column: str) -> None:
+        """Hide or freeze the object of a row, and all selected ones if it is one of them."""
+        self._commands.toggle_state("hidden" if column == "eye" else "frozen", key)
 
     def show_kinds(self, kinds: tuple[RowKind, ...]) -> None:
         """Show only rows of these kinds, or all rows if there are none."""
@@ -327,6 +342,11 @@ class ObjectPanel(QWidget):
         self.brush.setVisible(False)
         self.brush.valueChanged.connect(self._object_brush.set_radius)
         self._object_brush.changed.connect(self.brush.show_value)
+        self.opacity = MarkedSlider(0.0, 1.0, 0.05, 1.0)
+        self.opacity.setAccessibleName(tr("Opacity"))
+        self.opacity.setToolTip(tr("Opacity of the selected objects: through a transparent one, others are visible."))
+        self.opacity.moved_to.connect(self._commands.fade_selected)
+        self.opacity.restored.connect(partial(self.opacity.move_to, 1.0))
         self.shown = QComboBox()
         self.shown.setAccessibleName(tr("Rows in the table"))
         self.shown.setToolTip(tr("Which rows the table shows."))
@@ -334,7 +354,8 @@ class ObjectPanel(QWidget):
         self.shown.currentIndexChanged.connect(lambda place: self.table.show_kinds(_ROW_FILTERS[place][1]))
         self.summary = create_wrapped_label(dim=True)
         row = fill_layout(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
-        fill_layout(QVBoxLayout(self), self.figures, self.histogram, self._classes, *grid, self.brush,
+        fade = fill_layout(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity, spacing=6, wide=self.opacity)
+        fill_layout(QVBoxLayout(self), self.figures, self.histogram, self._classes, *grid, fade, self.brush,
                     row, self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         self._update_timer = QTimer(
             self, singleShot=True, interval=0
@@ -355,6 +376,9 @@ class ObjectPanel(QWidget):
         counts = row.figures.counts if row is not None and row.figures is not None else ()
         self.histogram.show_counts(self._session.image, counts, row_color(self._object_list, row) if row else "")
         self.brush.show_value(self._object_brush.radius)
+        chosen = self._object_list.selected_objects
+        self.opacity.setEnabled(bool(chosen))
+        self.opacity.show_value(chosen[0].opacity if chosen else 1.0)
         self._show_classes()
         found = Counter(each.kind for each in self._object_list.rows)
         words: tuple[tuple[RowKind, str, str], ...] = (

@@ -20,7 +20,7 @@ from PySide6.QtCore import (
     QTimer,
     Signal,
 )
-from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QPalette, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
@@ -37,6 +37,7 @@ from PySide6.QtWidgets import (
 from cpm_app.model.display.lengths import PixelSize
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr
+from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.widgets.actions import add_menu_action
 from cpm_app.views.widgets.containers import DELETE_KEYS, ENTER_KEYS, claim_key
 from cpm_core.numerics.types import Callback, frozen
@@ -98,6 +99,9 @@ class Column(Generic[Row]):
         Text after a number.
     sort_by : callable, optional
         Number by which rows are sorted, by default the value.
+    icon : callable, optional
+        Name of the icon that a row shows instead of its value, and whether that is a state that is out of the ordinary;
+        the name is empty for none. A click on the icon changes the state, and the heading is empty.
     """
 
     name: str
@@ -109,6 +113,7 @@ class Column(Generic[Row]):
     number_format: str = ""
     suffix: str = ""
     sort_by: Callable[[Row], float] | None = None
+    icon: Callable[[Row], tuple[str, bool]] | None = None
 
     @property
     def is_numeric(self) -> bool:
@@ -239,15 +244,19 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         """Return a heading with the unit of lengths, or its tooltip."""
         if orientation == Qt.Orientation.Vertical:
             return None
-        if role == Role.DisplayRole:
-            return self.columns[section].title.format(unit=self.unit)
         column = self.columns[section]
+        if role == (Role.DisplayRole if column.icon is None else Role.AccessibleTextRole):
+            return column.title.format(unit=self.unit)
         return f"{insert_keys(column.tip)}{self.unit_suffix(column)}" if role == Role.ToolTipRole else None
 
     def data(self, index: CellIndex, role: int = Role.DisplayRole) -> Any:
         """Return text, alignment or look of a cell."""
         item, column = self.items[index.row()], self.columns[index.column()]
         match role:
+            case Role.DisplayRole | Role.DecorationRole if column.icon is not None:
+                name, special = column.icon(item)
+                color = QPalette.ColorRole.WindowText if special else QPalette.ColorRole.PlaceholderText
+                return load_icon(name, color) if name and role == Role.DecorationRole else None
             case Role.DisplayRole | Role.ToolTipRole:
                 cell = self._key(item), index.column()
                 if cell not in self._texts:
@@ -302,6 +311,7 @@ class SortableTable(QTableView):
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
         header = self.horizontalHeader()
         header.setHighlightSections(False)
+        header.setMinimumSectionSize(_COLUMN_PADDING)
         # With the selection model of the table, the header would query each cell of each selected row in every paint.
         header.setSelectionModel(QItemSelectionModel(rows, header))
         header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
@@ -350,6 +360,7 @@ class SortableTable(QTableView):
         for index, width in enumerate(self._measure_samples()):
             self.setColumnHidden(index, False)
             title = header.sectionSizeHint(index) - arrow * (index != header.sortIndicatorSection())
+            title *= self.rows.columns[index].icon is None
             self._widths[index] = max(width, title)
             self.setColumnWidth(index, self._widths[index])
         self._fit_columns()
@@ -369,7 +380,7 @@ class SortableTable(QTableView):
         """Open the menu of the header, which shows and hides columns."""
         menu = QMenu(self, toolTipsVisible=True)
         for index, column in enumerate(self.rows.columns):
-            title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
+            title, hidden = column.title.format(unit=self.rows.unit), self.isColumnHidden(index)
             shown = add_menu_action(
                 menu, title, partial(self._set_column_shown, index, hidden), insert_keys(column.tip), not hidden
             )
@@ -435,6 +446,9 @@ class ItemTable(SortableTable):
     def hover_item(self, key: Any) -> None:
         """Highlight an item, or none."""
 
+    def press_icon(self, key: Any, column: str) -> None:
+        """Change the state that the icon of an item in a column shows."""
+
     def show_items(self) -> None:
         """Schedule an update of the rows; a hidden table is updated when it becomes visible."""
         self._stale = True
@@ -490,6 +504,15 @@ class ItemTable(SortableTable):
         else:
             super().keyPressEvent(event)
 
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Act on an icon, without selecting its row."""
+        index = self.indexAt(event.position().toPoint())
+        column = self.rows.columns[index.column()] if index.isValid() else None
+        if column is not None and column.icon is not None and event.button() == Qt.MouseButton.LeftButton:
+            self.press_icon(self.rows.item_key(index.row()), column.name)
+        else:
+            super().mousePressEvent(event)
+
     def showEvent(self, event: QShowEvent) -> None:
         """Update the table if items changed while it was hidden."""
         super().showEvent(event)
@@ -516,7 +539,7 @@ class ItemTable(SortableTable):
     def _on_double_clicked(self, index: QModelIndex) -> None:
         if index.column() == self.column_index("name"):
             self.edit_name(index.row())
-        else:
+        elif self.rows.columns[index.column()].icon is None:
             self.zoom_wanted.emit()
 
     def edit_selected_name(self) -> None:

@@ -321,7 +321,7 @@ def _draw_frame(
 ) -> _SpaceFrame:
     """Draw a frame on the drawing thread."""
     begin, particles, seen = time.perf_counter(), view.particles, camera.enlarged(1.0 / coarseness)
-    if view.shown.opacity < 1.0:
+    if view.is_translucent:
         picture = view.render_picture(seen, size, coarseness)
     else:  # everything except the particles is drawn only once
         still = replace(view, particles=None)

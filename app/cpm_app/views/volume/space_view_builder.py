@@ -25,7 +25,7 @@ from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, get_canvas_style
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeTruth
 from cpm_core.numerics.types import Pixels, Sides
-from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Measure, Shape, relative_sides
 
 _NO_SURFACES: Mapping[int, Surface] = MappingProxyType({})
@@ -99,10 +99,16 @@ def _build_object_meshes(
     if objects is None:
         return ()
     seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
-    shown = [(item.region.surface or bodies.get(item.number), objects.color_of(item)) for item in seen]
+    shown = [(_find_body(item, bodies), objects.color_of(item), item.opacity) for item in seen]
     found = [each.selection.surface for each in offered]
-    shown += [(surface, theme.PROPOSAL_COLOR) for surface in found if surface is not None]
-    return tuple(_color_surface(body, spacing, color) for body, color in shown if body is not None)
+    shown += [(surface, theme.PROPOSAL_COLOR, 1.0) for surface in found]
+    return tuple(_color_surface(body, spacing, color, faded) for body, color, faded in shown if body is not None)
+
+
+def _find_body(item: SegmentedObject, bodies: Mapping[int, Surface]) -> Surface | None:
+    """Return the surface of an object: the last one known while a painted one is computed."""
+    known = item.region.surface
+    return known if item.region.pixels is None else bodies.get(item.number, known)
 
 
 def _build_truth_mesh(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMesh, ...]:
@@ -113,13 +119,13 @@ _MESH_CACHE: WeakKeyDictionary[Surface, SurfaceMesh] = WeakKeyDictionary()
 """Meshes of surfaces that are still in use."""
 
 
-def _color_surface(surface: Surface, spacing: Sides, ink: Ink | str) -> ColoredMesh:
+def _color_surface(surface: Surface, spacing: Sides, ink: Ink | str, opacity: float = 1.0) -> ColoredMesh:
     """Color a surface; reuse its mesh, with the normals, from the last view."""
     mesh = _MESH_CACHE.get(surface)
     if mesh is None or mesh.surface.spacing != spacing:
         mesh = _MESH_CACHE[surface] = SurfaceMesh(replace(surface, spacing=spacing))
     red, green, blue = _to_rgb(ink).tolist()
-    return ColoredMesh(mesh, (red, green, blue))
+    return ColoredMesh(mesh, (red, green, blue), (red, green, blue), opacity)
 
 
 def _build_wires(

@@ -11,9 +11,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cpm_app.model.document.edits import set_pixel_size
+from cpm_app.model.document.objects import rename_objects
 from cpm_app.session.scene import Proposal
 from cpm_app.views.features.objects import ObjectsFeature
-from PySide6.QtCore import QCoreApplication, QPoint, QRect, Qt
+from PySide6.QtCore import QCoreApplication, QPoint, QPointF, QRect, Qt
 from PySide6.QtWidgets import QLineEdit, QMenu, QStyle
 
 from cpm_core.contours.contour import Contour
@@ -138,7 +139,7 @@ def test_lengths_and_areas_are_in_the_unit_of_the_image(window, hand, table) -> 
     session.edit("size of a pixel", lambda d: set_pixel_size(d, (0.5, 0.25), "µm"))
     assert column(table, "area") == [f"{1500 * 0.125:.0f}", "2"]
     assert column(table, "length") == [f"{math.fsum((160 * 0.375, 40 * 0.375)):.3g}", "6"]
-    tip = table.model().headerData(3, Qt.Orientation.Horizontal, Qt.ItemDataRole.ToolTipRole)
+    tip = table.model().headerData(table.column_index("area"), Qt.Orientation.Horizontal, Qt.ItemDataRole.ToolTipRole)
     assert tip.endswith("µm²")
 
 
@@ -371,10 +372,50 @@ def test_objects_are_hidden_and_frozen(window, hand, table) -> None:
     choose(hand, table, 1)
     window.actions_by_name["hide_object"].trigger()
     assert layer.fills.count == 1
-    assert (window.actions_by_name["hide_object"].text(), column(table, "state")[1]) == ("Show", "hidden")
+    assert (window.actions_by_name["hide_object"].text(), items(window)[1].hidden) == ("Show", True)
     window.actions_by_name["hide_object"].trigger()
     window.actions_by_name["freeze_object"].trigger()
     assert items(window)[1].frozen
+
+
+def test_a_click_on_the_eye_or_the_lock_changes_that_row_and_all_selected_ones_with_it(window, hand, table) -> None:
+    def click(row: int, name: str) -> list[tuple[bool, bool]]:
+        hand.qtbot.mouseClick(table.viewport(), LEFT, pos=cell(table, row, name).center())
+        return [(item.hidden, item.frozen) for item in items(window)]
+
+    assert click(0, "eye") == [(True, False), (False, False)]
+    assert not window.workspace.object_list.selected_keys
+    assert click(1, "lock") == [(True, False), (False, True)]
+    choose(hand, table, 0)
+    choose(hand, table, 1, CONTROL)
+    assert click(0, "eye") == [(True, False), (True, True)]
+    assert click(1, "eye") == [(False, False), (False, True)]
+    assert len(window.workspace.object_list.selected_keys) == 2
+    assert undo_name(window) == "show 2 objects"
+
+
+def test_the_slider_fades_the_selected_objects_in_one_undo_step(window, hand, panel, table) -> None:
+    layer = window.canvas_area.canvas.layers["objects"]
+    assert not panel.opacity.isEnabled()
+    choose(hand, table, 1)
+    hand.wait(panel.opacity.isEnabled)
+    panel.opacity.setFocus()
+    for _ in range(2):
+        hand.qtbot.keyClick(panel.opacity, Qt.Key.Key_Left)
+    assert [item.opacity for item in items(window)] == [1.0, 0.9]
+    assert layer.fills._areas[1][2] == pytest.approx(0.9 * layer.get_amount("fill"))
+    window.session.undo()
+    assert [item.opacity for item in items(window)] == [1.0, 1.0]
+
+
+def test_a_name_stands_above_its_object(window, hand, table) -> None:
+    canvas = window.canvas_area.canvas
+    row, col = DOT.center
+    center = canvas.mapFromScene(canvas.view.mapViewToScene(QPointF(col, row)))
+    before = canvas.grab().toImage().pixelColor(center)
+    window.session.edit("name", lambda document: rename_objects(document, [2], "a long name of a dot"))
+    hand.wait(lambda: canvas.layers["objects"]._names.count == 2)
+    assert canvas.grab().toImage().pixelColor(center) == before
 
 
 def test_a_double_click_names_a_proposal_which_accepts_it(window, hand, drawn) -> None:

@@ -15,7 +15,7 @@ from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.medial_axis import SkeletonMethod
 from cpm_core.numerics import polyline
 from cpm_core.parameters import PRESETS
-from tests.app.exporting import export
+from tests.app.exporting import asked, check, export, order
 from tests.app.views.volume.conftest import SHAPE, Button, send
 
 pytestmark = pytest.mark.shared_window
@@ -188,6 +188,20 @@ def test_painted_objects_are_measured_drawn_in_space_saved_and_exported(volume, 
     labels = np.sum([mask * number for mask, number in zip(masks(volume), (1, 2), strict=True)], axis=0)
     (made,) = export(hand.qtbot, volume, tmp_path, "objects:.tif")
     assert np.array_equal(tifffile.imread(made), labels)
+
+
+def test_a_surface_is_smoothed_at_export_and_the_message_says_how_far_that_moves_it(
+    volume, hand, brush, tmp_path
+) -> None:
+    volume.workspace.object_brush.paints_in_space = True
+    stroke(hand.canvas, (12, 10), (14, 18))
+    dialog = asked(hand.qtbot, volume)
+    check(hand.qtbot, dialog, "objects:.stl")
+    assert dialog.rounds.isVisible()
+    dialog.rounds.setValue(10)
+    (made,) = order(hand.qtbot, volume, dialog, tmp_path)
+    assert made.stat().st_size > 1000
+    hand.wait(lambda: "on average" in volume.canvas_area.messages.text)
 
 
 def test_a_key_fills_the_slices_between_and_says_how_many(volume, hand, brush) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,7 +11,7 @@ from cpm_app.model.display.display_image import IntensityWindow
 from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import EMPTY_DEPTH, Picture, draw_balls, draw_lines
 from cpm_app.model.space.triangles import CutPlane, SurfaceMesh, draw_mesh
-from cpm_app.model.space.view_in_space import ShownParticles, ShownParts, ViewInSpace
+from cpm_app.model.space.view_in_space import ColoredMesh, ShownParticles, ShownParts, ViewInSpace
 from cpm_app.model.space.voxels import ShadedVolume, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slice, Slices
 from cpm_app.views.canvas.flow import start_positions
@@ -197,6 +198,23 @@ def test_a_surface_that_is_not_opaque_lets_the_particles_behind_it_be_seen() -> 
         blue[opacity] = view.render_picture(camera, (41, 41)).colors[20, 20].astype(float)
     assert blue[0.0] == pytest.approx([0.0, 0.0, 250.0], abs=2.0)
     assert blue[0.5] == pytest.approx(0.5 * (blue[0.0] + blue[1.0]), abs=1.5)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_an_inner_object_is_seen_through_an_outer_one_that_is_not_opaque(order: int) -> None:
+    camera = replace(front(2.0), center=np.array([10.0, 10.0, 10.0]))
+
+    def red_inside(outer: float, inner: float) -> int:
+        meshes = [
+            ColoredMesh(SurfaceMesh(ball(radius, 10.0)), color, color, opacity)
+            for radius, color, opacity in ((8.0, GREEN, outer), (3.0, RED, inner))
+        ]
+        view = of_shape((21, 21, 21), objects=tuple(meshes[::order]), shown=ShownParts(box=False))
+        assert view.is_translucent == (outer < 1.0 or inner < 1.0)
+        return int(view.render_picture(camera, SIZE).colors[SIZE[0] // 2, SIZE[1] // 2, 0])
+
+    hidden, faint, clear = red_inside(1.0, 1.0), red_inside(0.5, 0.5), red_inside(0.2, 1.0)
+    assert hidden < faint < clear
 
 
 def test_particles_come_from_where_those_of_the_same_number_were_and_new_ones_from_nowhere() -> None:

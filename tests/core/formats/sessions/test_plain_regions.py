@@ -15,6 +15,7 @@ from cpm_core.formats.sessions.session_file import decode_session
 from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.numerics.packed_mask import PackedMask
 from cpm_core.shapes.document_shapes import collect_regions
 from tests.faults.fuzzing.inputs.session_samples import SAMPLES
 
@@ -30,7 +31,8 @@ def kept(regions: AnyRegions) -> AnyRegions | None:
 @pytest.mark.parametrize("first", [None, (0, 0, 0), (-2, 3, 400)])
 def test_voxels_are_kept_wherever_they_begin(first: tuple[int, ...] | None) -> None:
     regions = VolumeRegions(
-        interest=(BOX, Region(pixels=MASK, first=first)), barriers=(((0.0, 0.0, 3.5), (0.0, 0.0, 1.0)), MASK)
+        interest=(BOX, Region(pixels=PackedMask.pack(MASK), first=first)),
+        barriers=(((0.0, 0.0, 3.5), (0.0, 0.0, 1.0)), MASK),
     )
     again = kept(regions)
     assert isinstance(again, VolumeRegions)
@@ -52,7 +54,7 @@ def test_the_limits_of_every_shape_are_kept(name: str, tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_damaged_voxels_are_refused_before_they_take_memory(change: dict[str, Any]) -> None:
-    plain = regions_to_json(VolumeRegions(interest=(Region(pixels=MASK, first=(0, 0, 0)),)))
+    plain = regions_to_json(VolumeRegions(interest=(Region.from_mask(MASK),)))
     plain["volume_regions"]["interest"][0] |= change
     with pytest.raises(ValueError, match=r"regions .*\.$"):
         regions_from_json(plain, "regions")
