@@ -9,8 +9,8 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.surface_agreement import TriangleSamples
-from cpm_core.formats.common.content import missing_package_message
 from cpm_core.image.surface import Surface
+from cpm_core.numerics.packages import require_package
 from cpm_core.numerics.types import Array, Index, Mask, frozen
 from cpm_core.parameters.formatting import quote_value
 
@@ -122,12 +122,9 @@ def _smooth(surface: Surface, rounds: int) -> Surface:
 
 def _thin(surface: Surface, chosen: Mask, share: float) -> Surface:
     """Leave out triangles of one object; all are kept where none of them can be left out without a gap."""
-    try:
-        import fast_simplification  # noqa: PLC0415 - optional
-    except ImportError:
-        raise ValueError(
-            missing_package_message("A surface of fewer triangles", "fast-simplification", "cpm-particles[meshes]")
-        ) from None
+    require_package("fast_simplification", "A surface of fewer triangles")
+    import fast_simplification  # noqa: PLC0415 - optional
+
     used, numbers = np.unique(surface.faces[chosen], return_inverse=True)
     faces: Index = numbers.reshape(-1, 3)
     vertices = surface.vertices[used] * surface.spacing

@@ -9,12 +9,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from functools import lru_cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from cpm_core.numerics.packages import MissingPackageError, has_package, require_package
 from cpm_core.numerics.types import Array, Extent, Index, JsonDict, Numbers, Single, frozen
 from cpm_core.parameters.formatting import quote_value
 
@@ -107,7 +107,7 @@ def fetch_model(name: str, progress: Callable[[float], object] = lambda _: None)
 
 def is_fetched(name: str) -> bool:
     """Return whether the weights of one of `MODELS` are on this computer, and osam, which runs them."""
-    return find_spec("osam") is not None and _find_kind(name).get_size() is not None
+    return has_package("osam") and _find_kind(name).get_size() is not None
 
 
 def check_model(name: str, ndim: int) -> None:
@@ -119,11 +119,8 @@ def check_model(name: str, ndim: int) -> None:
     if name and is_server != (ndim == 3):
         here, there = ("volumes", "images") if is_server else ("images", "volumes")
         raise ValueError(f"{model_title(name)} answers in {here}, not in {there}: leave the model out.")
-    if is_server and find_spec("nnInteractive") is None:
-        raise ValueError(
-            "A server needs the package nninteractive-client, which is not installed: run pip install "
-            '"cpm-particles[server]".'
-        )
+    if is_server and not has_package("nnInteractive"):
+        raise MissingPackageError("A server", "nninteractive-client")
     if name and not is_server:
         _find_files(name)
 
@@ -182,13 +179,10 @@ def decode_prompt(name: str, embedding: Any, places: Array, labels: Index) -> tu
 
 
 def _import_osam() -> Any:
-    try:
-        import loguru
-        import osam
-    except ImportError:
-        raise ValueError(
-            'Larger models need the package osam, which is not installed: run pip install "cpm-particles[sam]".'
-        ) from None
+    require_package("osam", "A larger model")
+    import loguru
+    import osam
+
     loguru.logger.disable("osam")  # it would write to standard error
     return osam
 
