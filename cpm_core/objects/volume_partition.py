@@ -145,6 +145,21 @@ class VolumePartition:
         return self.image.shape
 
     @property
+    def values(self) -> Array:
+        """Gray levels of the volume, shape (P, R, C)."""
+        return self.image.values
+
+    @property
+    def interest(self) -> Mask:
+        """Voxels in the regions of interest, shape (P, R, C)."""
+        return np.ones(self.shape, bool) if self._interest is None else self._interest
+
+    @property
+    def voxel_sides(self) -> Array:
+        """Sides of a voxel, shape (3,), the smallest being 1."""
+        return np.array(pitch_of(self.image.spacing))
+
+    @property
     def labels(self) -> Index:
         """Body of every voxel, shape (P, R, C), from 1 up; 0 outside all surfaces."""
         return np.asarray(sum(np.concatenate([[0], number])[parts.labels] for parts, number in self._parts))
@@ -220,7 +235,7 @@ class VolumePartition:
             found = self._select_by_network(within, beyond, previous, painted)
             begins = previous is None or not previous.has_boundary
             surface = found.surface
-            if begins and surface is not None and lies_in_background(self.image.values, within[0], surface):
+            if begins and surface is not None and lies_in_background(self.values, within[0], surface):
                 found = self._build_selection(None, within, beyond, found.remark)
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
@@ -375,7 +390,7 @@ class VolumePartition:
 
     @cached_property
     def _predictor(self) -> BodyPredictor:
-        return BodyPredictor(self.image.values, np.array(pitch_of(self.image.spacing)))
+        return BodyPredictor(self.values, self.voxel_sides)
 
     def find_body_numbers(self, places: Array) -> Index:
         """Find the numbers of the bodies that points, shape (N, 3) [voxels], lie in, shape (N,); 0 outside all."""

@@ -175,12 +175,12 @@ def replace_boundaries(document: Document, found: Iterable[SelectionUpdate]) -> 
 
 def object_from_selection(selection: Selection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
     """Make an object of a selection that is not empty."""
+    known = float(np.nan_to_num(selection.confidence))  # unknown where a body was clicked
+    confidence = round(min(max(known, 0.0), 1.0), _SESSION_DECIMALS)
     if selection.region.ndim == 3:
         exact = selection.region.surface
-        if exact is None:  # the clicks no longer explain what has been painted
-            return SegmentedObject(number, (), selection.region, category=category)
-        return SegmentedObject(number, clicks, Region.from_surface(exact), category=category)
-    confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _SESSION_DECIMALS)
+        explained, region = ((), selection.region) if exact is None else (clicks, Region.from_surface(exact))
+        return SegmentedObject(number, explained, region, category=category, confidence=confidence)
     item = object_from_contours(number, category, selection.contours, selection.gaps)
     return replace(item, clicks=clicks, confidence=confidence)
 

@@ -41,7 +41,7 @@ _SAME_OBJECT_COVERAGE = 0.5
 
 
 def format_confidence(selection: Selection) -> str:
-    """Format the confidence of an object as text; empty in a volume, where it is unknown."""
+    """Format the confidence of an object as text; empty where it is unknown."""
     return "" if math.isnan(selection.confidence) else localize_number(f"{100.0 * selection.confidence:.0f} %")
 
 
