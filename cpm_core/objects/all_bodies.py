@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -19,9 +18,7 @@ from cpm_core.objects.background import measure_edge_steps
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.confidence import BodyFeatures, estimate_body_confidence
 from cpm_core.objects.selection import Selection
-
-if TYPE_CHECKING:
-    from cpm_core.objects.volume_partition import VolumePartition
+from cpm_core.objects.volume_partition import VolumePartition
 
 _MIN_SOLIDITY = 0.75
 """Least volume of the parts of a body, in volumes of their convex hulls, with which it is split."""

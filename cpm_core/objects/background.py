@@ -48,7 +48,7 @@ def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
     if abs(float(np.median(around)) - level) > _SAME_LEVEL * noise:
         return False
     edges = np.abs(measure_edge_steps(values, surface)) > _MIN_EDGE * noise
-    return np.count_nonzero(edges) <= _MAX_EDGE_SHARE * len(surface.vertices)
+    return int(np.count_nonzero(edges)) <= _MAX_EDGE_SHARE * len(surface.vertices)
 
 
 def _measure_background(values: Array) -> tuple[float, float]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import scipy
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import find_label_boxes, find_largest_part
+from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part
+from cpm_core.numerics.types import Array
 from cpm_core.objects.all_bodies import build_body
 from cpm_core.objects.all_objects import build_proposal
 from cpm_core.objects.background import measure_edge_steps
@@ -22,6 +24,9 @@ _SIZE_RANGE = (0.2, 4.0)
 
 _MIN_TRUNCATED_SIZE = 0.05
 """Least area of a similar object cut by the image border, as a fraction of the selected one's area."""
+
+_BODY_RIM_WIDTH = 4
+"""Width of the surroundings of a body with whose gray level its own is compared [voxels]."""
 
 _MIN_RELATIVE_STRENGTH = 0.3
 """Least boundary strength of similar objects, as a fraction of the selected one's."""
@@ -54,8 +59,24 @@ def find_similar_objects(partition: Partition | VolumePartition, chosen: Selecti
 def _build_object(partition: Partition | VolumePartition, region: Region) -> Selection:
     """Build the selection of what has been found."""
     if isinstance(partition, VolumePartition):
-        return build_body(partition, region)
+        return build_body(partition, _trim_to_half_level(partition.values, region))
     return build_proposal(partition, region.paste(partition.shape))
+
+
+def _trim_to_half_level(values: Array, region: Region) -> Region:
+    """Leave out the voxels of a body that differ less from it than from its surroundings: particles would find no more.
+
+    In an image, an outline follows edges instead.
+    """
+    window = expand_window(region.window, _BODY_RIM_WIDTH, values.shape)
+    near, body = scipy.ndimage.gaussian_filter(values[window], 1.0), region.cut_out(window)
+    away = scipy.ndimage.distance_transform_edt(~body)
+    rim = near[(away > 1.0) & (away <= _BODY_RIM_WIDTH)]
+    if not len(rim):
+        return region
+    own, around = float(np.median(near[body])), float(np.median(rim))
+    kept = body & ((near - 0.5 * (own + around)) * (own - around) > 0.0)
+    return Region.from_mask(find_largest_part(kept), [side.start for side in window]) if kept.any() else region
 
 
 def _measure_boundary_strength(partition: Partition | VolumePartition, selection: Selection) -> float:

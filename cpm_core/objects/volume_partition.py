@@ -112,6 +112,8 @@ class VolumePartition:
     ([1], True)
     >>> bodies.shape, int(bodies.labels.max()), bodies.solid_bodies.tolist(), bodies.select([(15, 15, 15)]).remark
     ((31, 31, 31), 1, [1], '')
+    >>> bodies.values.shape, bool(bodies.interest.all()), bodies.voxel_sides.tolist()
+    ((31, 31, 31), True, [1.0, 1.0, 1.0])
     >>> len(bodies.find_candidates([(15, 15, 15)]))
     1
     >>> chosen = bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])

@@ -158,11 +158,10 @@ def select_all(
             result = values if isinstance(values, Result) else _run_everywhere(as_image(values), parameters)
             all_objects = result.objects
         return tuple(one for one in all_objects if not one.confidence < min_confidence)
-    if isinstance(values, Result):
-        cut = partition(values)
+    if isinstance(values, Partition | VolumePartition):
+        cut = values
     else:
-        known = isinstance(values, Partition | VolumePartition)
-        cut = values if known else partition_without_run(as_image(values))
+        cut = partition(values) if isinstance(values, Result) else partition_without_run(as_image(values))
     found = list(like)
     for one in like:
         for other in find_similar_objects(cut, one):

@@ -24,6 +24,7 @@ from cpm_app.session.features.selector import (
     PartitionUpdater,
     Selector,
     find_proposals,
+    unite_masks,
 )
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
@@ -293,7 +294,7 @@ class ObjectSelection(QObject):
     def find_similar(self, number: int) -> None:
         """Add all objects that are similar to one and not among the objects yet."""
         partition, known = self.partition_updater.partition, self._session.document.objects
-        if not isinstance(partition, Partition):  # not available in a volume
+        if partition is None:
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
@@ -301,8 +302,13 @@ class ObjectSelection(QObject):
 
         def find_new(task: BackgroundTask) -> list[Selection]:
             found = select_all(partition, [selection_from_object(example, partition.shape)])
-            taken = np.any([item.region.paste(partition.shape) for item in known.items], axis=0)
-            new = [each for each in found[1:] if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
+            taken = unite_masks(known.items, partition.shape)
+            regions = [(each, each.region, taken[each.region.window]) for each in found[1:]]
+            new = [
+                each
+                for each, region, there in regions
+                if (region.mask & there).sum() < _SAME_OBJECT_COVERAGE * region.mask.sum()
+            ]
             return new if known.may_overlap else [partition.remove_pixels(each, taken) for each in new]
 
         def add_found(found: list[Selection]) -> None:

@@ -322,12 +322,12 @@ class Selector:
             item for item in self._limits if not any(item.region.encloses(places).mean() > 0.5 for places in within)
         ]
         if len(apart) < len(self._limits):
-            return _unite_masks(apart, self.partition.shape)
+            return unite_masks(apart, self.partition.shape)
         return self._taken if apart else None
 
     @cached_property
     def _taken(self) -> Mask:
-        return _unite_masks(self._limits, self.partition.shape)
+        return unite_masks(self._limits, self.partition.shape)
 
     @cached_property
     def _found(self) -> tuple[Proposal, ...]:
@@ -394,7 +394,7 @@ def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject])
     return left
 
 
-def _unite_masks(items: Iterable[SegmentedObject], shape: Extent) -> Mask:
+def unite_masks(items: Iterable[SegmentedObject], shape: Extent) -> Mask:
     """Unite the pixels of objects of an image of this shape."""
     united = np.zeros(shape, bool)
     for item in items:
