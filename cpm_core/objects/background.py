@@ -47,7 +47,8 @@ def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
     around = values[tuple(slice(max(index - 1, 0), index + 2) for index in at)]
     if abs(float(np.median(around)) - level) > _SAME_LEVEL * noise:
         return False
-    return _edge_share(values, surface, _MIN_EDGE * noise) <= _MAX_EDGE_SHARE
+    edges = np.abs(measure_edge_steps(values, surface)) > _MIN_EDGE * noise
+    return int(np.count_nonzero(edges)) <= _MAX_EDGE_SHARE * len(surface.vertices)
 
 
 def _measure_background(values: Array) -> tuple[float, float]:
@@ -58,13 +59,14 @@ def _measure_background(values: Array) -> tuple[float, float]:
     return level, max(noise, _MIN_NOISE * float(np.ptp(values)))
 
 
-def _edge_share(values: Array, surface: Surface, difference: float) -> float:
-    """Return the share of the vertices of a surface, within the volume, across which gray levels differ."""
+def measure_edge_steps(values: Array, surface: Surface) -> Array:
+    """Measure by how much gray levels rise inward across the vertices of a surface that lie within the volume."""
     away = _EDGE_DISTANCE * surface.normals * (min(surface.spacing) / np.array(surface.spacing))
-    inner, outer = (
-        scipy.ndimage.map_coordinates(values, places.T, float, order=1, mode="nearest")
-        for places in (surface.vertices - away, surface.vertices + away)
-    )
     last = np.array(values.shape) - 1.0
-    within = ((surface.vertices + away >= 0.0) & (surface.vertices + away <= last)).all(axis=1)
-    return float((within & (np.abs(inner - outer) > difference)).mean())
+    outside = surface.vertices + away
+    within = ((outside >= 0.0) & (outside <= last)).all(axis=1)
+    inner, outer = (
+        scipy.ndimage.map_coordinates(values, places[within].T, float, order=1, mode="nearest")
+        for places in (surface.vertices - away, outside)
+    )
+    return np.asarray(inner - outer)

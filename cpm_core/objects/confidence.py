@@ -27,6 +27,9 @@ _MAX_CONFIDENCE = 0.98
 LARGE_AREA = 1100.0
 """Area above which a larger one makes no difference [px²]."""
 
+LARGE_VOLUME = 1000.0
+"""Volume above which a larger one makes no difference [voxels]."""
+
 FAINT = 0.005
 """Strength and variation below which a smaller one makes little difference."""
 
@@ -100,6 +103,27 @@ class RegionFeatures(NamedTuple):
     has_neck: bool
 
 
+class BodyFeatures(NamedTuple):
+    """Features of a body in a volume that the probability of its being an object is estimated from.
+
+    Attributes
+    ----------
+    steadiness : float
+        By how much gray levels rise across its surface, in standard deviations of this rise along it.
+    solidity : float
+        Its volume, in volumes of its convex hull.
+    volume : float
+        Number of its voxels.
+    cut_share : float
+        Share of its surface that is the end of the volume.
+    """
+
+    steadiness: float
+    solidity: float
+    volume: float
+    cut_share: float
+
+
 def encode_features(signs: ConfidenceFeatures) -> Array:
     """Encode the features as inputs of the logistic regression, shape (7,)."""
     shares = scipy.special.logit(np.clip(signs[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
@@ -136,6 +160,18 @@ def estimate_region_confidence(signs: RegionFeatures) -> float:
     """Estimate the probability that a region found everywhere is an object."""
     *weights, offset = _load_weights("confidence_everywhere.json")
     return min(float(scipy.special.expit(np.array(weights) @ encode_region(signs) + offset)), _MAX_CONFIDENCE)
+
+
+def encode_body(signs: BodyFeatures) -> Array:
+    """Encode the features of a body as inputs of the logistic regression, shape (4,)."""
+    size = np.log(min(signs.volume, LARGE_VOLUME))
+    return np.array([np.log(signs.steadiness + FAINT), signs.solidity, size, signs.cut_share])
+
+
+def estimate_body_confidence(signs: BodyFeatures) -> float:
+    """Estimate the probability that a body of a volume is an object."""
+    *weights, offset = _load_weights("confidence_bodies.json")
+    return min(float(scipy.special.expit(np.array(weights) @ encode_body(signs) + offset)), _MAX_CONFIDENCE)
 
 
 def encode_siblings(confidence: float, agreement: float, amount: float) -> Array:

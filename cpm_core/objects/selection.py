@@ -36,8 +36,8 @@ class Selection(drawing.Pictured):
     gaps : tuple of ndarray, shape (K, 2)
         Stretches of the boundary that follow no contour [px].
     confidence : float
-        Probability, 0 to 1, that its overlap with the intended object is at least `confidence.CORRECT_IOU`; NaN in a
-        volume, where it is not known.
+        Probability, 0 to 1, that its overlap with the intended object is at least `confidence.CORRECT_IOU`; NaN where
+        that is not known, as of a body that points select.
     remark : str
         One sentence on what was unusual about the points, or on an answer of almost no confidence; else empty.
     features : ConfidenceFeatures or None

@@ -1,4 +1,4 @@
-"""The objects of an image that are similar to a selected one."""
+"""The objects of an image or a volume that are similar to a selected one."""
 
 from __future__ import annotations
 
@@ -7,52 +7,83 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import find_largest_part
+from cpm_core.image.region import Region
+from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part
+from cpm_core.numerics.types import Array
+from cpm_core.objects.all_bodies import build_body
 from cpm_core.objects.all_objects import build_proposal
+from cpm_core.objects.background import measure_edge_steps
 from cpm_core.objects.boundaries.necks import split_at_necks
-from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
+from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels, measure_radius
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.volume_partition import VolumePartition
 
 _SIZE_RANGE = (0.2, 4.0)
-"""Smallest and largest area of a similar object, as fractions of the selected one's area."""
+"""Smallest and largest size of a similar object, as fractions of the selected one's size."""
 
 _MIN_TRUNCATED_SIZE = 0.05
 """Least area of a similar object cut by the image border, as a fraction of the selected one's area."""
+
+_BODY_RIM_WIDTH = 4
+"""Width of the surroundings of a body with whose gray level its own is compared [voxels]."""
 
 _MIN_RELATIVE_STRENGTH = 0.3
 """Least boundary strength of similar objects, as a fraction of the selected one's."""
 
 
-def find_similar_objects(partition: Partition, chosen: Selection) -> Iterator[Selection]:
+def find_similar_objects(partition: Partition | VolumePartition, chosen: Selection) -> Iterator[Selection]:
     """Find the objects similar to a selected one, from the top left to the bottom right.
 
     Their gray level differs from the surroundings of the selected object in the same direction, and their size and the
     strength of their boundary are similar. Where two bodies touch, they are split at the neck between them. Objects
     that the border of the image cuts are closed along it, and may be smaller.
     """
-    mask, area = chosen.mask, chosen.region.size
+    mask, area = chosen.mask, np.count_nonzero(chosen.region.mask)
     if not area:
         return
-    parts = split_at_necks(
-        find_similar_pixels(partition.values, mask, partition.interest), float(np.sqrt(area / np.pi))
-    )
+    sides = partition.voxel_sides if isinstance(partition, VolumePartition) else np.ones(2)
+    similar = find_similar_pixels(partition.values, mask, partition.interest, sides)
+    parts = split_at_necks(similar, measure_radius(mask, sides), sides)
     parts[mask] = 0
-    limit, strength = np.array(partition.shape) - 1, _measure_boundary_strength(chosen)
-    boxes = enumerate(scipy.ndimage.find_objects(parts), start=1)
-    for number, box in ((number, box) for number, box in boxes if box):
+    limit, strength = np.array(partition.shape) - 1, _measure_boundary_strength(partition, chosen)
+    for number, box in find_label_boxes(parts):
         body = parts[box] == number
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
         if (_MIN_TRUNCATED_SIZE if cut else _SIZE_RANGE[0]) * area <= np.count_nonzero(body) <= _SIZE_RANGE[1] * area:
-            mask = np.zeros(partition.shape, bool)
-            mask[box] = find_largest_part(body)
-            other = build_proposal(partition, mask)
-            if _measure_boundary_strength(other) >= _MIN_RELATIVE_STRENGTH * strength:
+            other = _build_object(partition, Region.from_mask(find_largest_part(body), [side.start for side in box]))
+            if _measure_boundary_strength(partition, other) >= _MIN_RELATIVE_STRENGTH * strength:
                 yield other
 
 
-def _measure_boundary_strength(selection: Selection) -> float:
-    """Measure the mean edge strength along the boundary [gray levels / px]."""
+def _build_object(partition: Partition | VolumePartition, region: Region) -> Selection:
+    """Build the selection of what has been found."""
+    if isinstance(partition, VolumePartition):
+        return build_body(partition, _trim_to_half_level(partition.values, region))
+    return build_proposal(partition, region.paste(partition.shape))
+
+
+def _trim_to_half_level(values: Array, region: Region) -> Region:
+    """Leave out the voxels of a body that differ less from it than from its surroundings: particles would find no more.
+
+    In an image, an outline follows edges instead.
+    """
+    window = expand_window(region.window, _BODY_RIM_WIDTH, values.shape)
+    near, body = scipy.ndimage.gaussian_filter(values[window], 1.0), region.cut_out(window)
+    away = scipy.ndimage.distance_transform_edt(~body)
+    rim = near[(away > 1.0) & (away <= _BODY_RIM_WIDTH)]
+    if not len(rim):
+        return region
+    own, around = float(np.median(near[body])), float(np.median(rim))
+    kept = body & ((near - 0.5 * (own + around)) * (own - around) > 0.0)
+    return Region.from_mask(find_largest_part(kept), [side.start for side in window]) if kept.any() else region
+
+
+def _measure_boundary_strength(partition: Partition | VolumePartition, selection: Selection) -> float:
+    """Measure the mean edge strength along the boundary, of a body by how much gray levels rise across it."""
+    if isinstance(partition, VolumePartition):
+        surface = selection.surface
+        return 0.0 if surface is None else abs(float(measure_edge_steps(partition.values, surface).mean()))
     lengths = np.array([contour.length for contour in selection.contours])
     strengths = np.array([contour.strength for contour in selection.contours])
     return float(lengths @ strengths / lengths.sum()) if len(lengths) else 0.0

@@ -116,6 +116,8 @@ class VolumePartition:
     ([1], True)
     >>> bodies.shape, int(bodies.labels.max()), bodies.solid_bodies.tolist(), bodies.select([(15, 15, 15)]).remark
     ((31, 31, 31), 1, [1], '')
+    >>> bodies.values.shape, bool(bodies.interest.all()), bodies.voxel_sides.tolist()
+    ((31, 31, 31), True, [1.0, 1.0, 1.0])
     >>> len(bodies.find_candidates([(15, 15, 15)]))
     1
     >>> chosen = bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
@@ -148,6 +150,21 @@ class VolumePartition:
     def shape(self) -> Extent:
         """Shape of the volume."""
         return self.image.shape
+
+    @property
+    def values(self) -> Array:
+        """Gray levels of the volume, shape (P, R, C)."""
+        return self.image.values
+
+    @property
+    def interest(self) -> Mask:
+        """Voxels in the regions of interest, shape (P, R, C)."""
+        return np.ones(self.shape, bool) if self._interest is None else self._interest
+
+    @property
+    def voxel_sides(self) -> Array:
+        """Sides of a voxel, shape (3,), the smallest being 1."""
+        return np.array(pitch_of(self.image.spacing))
 
     @property
     def labels(self) -> Index:
@@ -225,7 +242,7 @@ class VolumePartition:
             found = self._select_by_network(within, beyond, previous, painted)
             begins = previous is None or not previous.has_boundary
             surface = found.surface
-            if begins and surface is not None and lies_in_background(self.image.values, within[0], surface):
+            if begins and surface is not None and lies_in_background(self.values, within[0], surface):
                 found = self._build_selection(None, within, beyond, found.remark)
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
@@ -390,7 +407,7 @@ class VolumePartition:
 
     @cached_property
     def _predictor(self) -> BodyPredictor:
-        return BodyPredictor(self.image.values, np.array(pitch_of(self.image.spacing)))
+        return BodyPredictor(self.values, self.voxel_sides)
 
     def find_body_numbers(self, places: Array) -> Index:
         """Find the numbers of the bodies that points, shape (N, 3) [voxels], lie in, shape (N,); 0 outside all."""

@@ -17,7 +17,8 @@ from cpm_core.image.region import Region
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, divergence_centers, is_allowed
 from cpm_core.model.volume.starts import seeds_at_centers, volume_edge_strength
 from cpm_core.numerics.grids import label_joined_pairs, running_maximum
-from cpm_core.numerics.types import Array, Arrays, Callback, Index, Sides
+from cpm_core.numerics.types import Array, Arrays, Callback, Sides
+from cpm_core.objects.all_bodies import find_bodies_everywhere, rate_body
 from cpm_core.objects.all_objects import find_objects_everywhere
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
@@ -70,7 +71,7 @@ class RunOutcome(FoundInImage, Protocol):
 def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObjects:
     """Find the objects that a run proposes, the best first.
 
-    A run from everywhere proposes all objects of the image, or all bodies inside the surface in a volume. One from
+    A run from everywhere proposes all objects of the image, or all bodies inside the surface, split at necks. One from
     drawn starts proposes the object of each connected piece of them.
 
     Parameters
@@ -83,7 +84,7 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObj
     Returns
     -------
     tuple of Selection
-        Ranked by confidence; bodies by volume.
+        Ranked by confidence.
 
     Raises
     ------
@@ -94,7 +95,7 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObj
     pieces = () if is_run_everywhere(result) else split_seeds(result.seeds, _relative_sides(image))
     if image.ndim == 3:
         bodies = _find_bodies(VolumePartition.from_result(result), pieces, check)
-        return tuple(sorted(bodies, key=lambda one: -one.size))
+        return tuple(sorted(bodies, key=lambda one: (-one.confidence, -one.size)))
     partition = Partition.from_result(result)
     if not pieces:
         return tuple(find_objects_everywhere(partition, check))
@@ -102,7 +103,7 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObj
 
 
 def is_likely(found: Selection) -> bool:
-    """Return whether an object is likely, so that it is accepted together with others; bodies have no confidence."""
+    """Return whether an object is likely, to be accepted together with others; one of unknown confidence is."""
     return not found.confidence < MIN_LIKELY_CONFIDENCE
 
 
@@ -182,27 +183,19 @@ def _find_started_objects(partition: Partition, pieces: Arrays, check: Callback)
 
 
 def _find_bodies(partition: VolumePartition, pieces: Arrays, check: Callback) -> Iterator[Selection]:
-    """Find the body with most seeds of each piece of a start, shape (N, 3) [voxels]; without pieces, all solid ones."""
+    """Find the body with most seeds of each piece of a start, shape (N, 3) [voxels]; without pieces, all of them."""
     if not len(partition.surface.faces):
         return
+    if not pieces:
+        yield from find_bodies_everywhere(partition, check)
     chosen: dict[int, Array] = {}
     for piece in pieces:
         number = partition.find_body_numbers(piece)
         body = int(np.bincount(number[number > 0], minlength=1).argmax())
         if body:
             chosen.setdefault(body, piece[number == body][:_MAX_BODY_POINTS])
-    for body, points in chosen.items() if pieces else _find_deepest_points(partition):
+    for body, points in chosen.items():
         check()
         boundary = partition.extract_boundary(np.array([body]))
         if len(boundary.faces):
-            yield partition.build_selection(Region(surface=boundary), points)
-
-
-def _find_deepest_points(partition: VolumePartition) -> Iterator[tuple[int, Array]]:
-    """Find the deepest voxel of each solid body: its number, and the voxel, shape (1, 3)."""
-    labels: Index = partition.labels
-    boxes = scipy.ndimage.find_objects(labels)
-    for body in partition.solid_bodies.tolist():
-        box = boxes[body - 1]
-        depth = scipy.ndimage.distance_transform_edt(np.pad(labels[box] == body, 1))[1:-1, 1:-1, 1:-1]
-        yield body, np.argwhere(depth == depth.max())[:1] + [float(side.start) for side in box]
+            yield rate_body(partition.build_selection(Region(surface=boundary), points))

@@ -10,15 +10,17 @@ from numpy.typing import ArrayLike
 
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.model.starts import uniform_grid
+from cpm_core.model.volume.starts import seeds_everywhere
 from cpm_core.numerics.real_numbers import as_positions, check_finite_number
+from cpm_core.objects.all_bodies import find_bodies_everywhere
 from cpm_core.objects.all_objects import find_objects_everywhere
-from cpm_core.objects.partition import Partition
+from cpm_core.objects.partition import Partition, partition_without_run
 from cpm_core.objects.prior.larger_models import check_model
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar_objects import find_similar_objects
 from cpm_core.objects.volume_partition import VolumePartition, require_image
-from cpm_core.parameters import Parameters, choose_parameters
-from cpm_core.parameters.formatting import format_size, quote_value
+from cpm_core.parameters import PRESETS, Parameters, choose_parameters
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 
@@ -73,7 +75,9 @@ def partition(
 
 
 def _run_everywhere(image: Image, parameters: Parameters | str | None = None) -> Result:
-    """Find the contours of an image by a run from everywhere."""
+    """Find the contours of an image, or the surface in a volume, by a run from everywhere."""
+    if image.ndim == 3:
+        return segment(image, seeds_everywhere(image), choose_parameters(parameters, PRESETS["volume"]))
     return segment(image, uniform_grid(image.shape), choose_parameters(parameters, EVERYWHERE_PARAMETERS))
 
 
@@ -126,26 +130,26 @@ def select(
 
 
 def select_all(
-    values: ArrayLike | Image | Result | Partition,
+    values: ArrayLike | Image | Result | Partition | VolumePartition,
     like: Sequence[Selection] = (),
     *,
     parameters: Parameters | str | None = None,
     min_confidence: float = 0.0,
 ) -> tuple[Selection, ...]:
-    """Select all objects of an image, or all that are similar to some.
+    """Select all objects of an image or a volume, or all that are similar to some.
 
     Parameters
     ----------
-    values : array_like, shape (H, W), or Image, or Result, or Partition
-        An image, in which a run from everywhere finds the contours; the result of a run, whose `Result.objects` are
-        selected; or a partition.
+    values : array_like, shape (H, W) or (P, H, W), or Image, or Result, or Partition, or VolumePartition
+        An image or a volume, in which a run from everywhere finds contours or a surface; the result of a run, whose
+        `Result.objects` are selected; or a partition.
     like : sequence of Selection
         Some of them. Without any, the network evaluates what contours bound, alone, together or with gaps: the likely
-        objects are selected.
+        objects are selected; in a volume the bodies that the surface encloses, split at necks.
     parameters : Parameters or str, optional
         Parameters of the run from everywhere.
     min_confidence : float
-        Least `Selection.confidence` of an object, from 0 to 1; bodies in a volume have none, and stay.
+        Least `Selection.confidence` of an object, from 0 to 1.
 
     Returns
     -------
@@ -165,30 +169,19 @@ def select_all(
     if not like:
         if isinstance(values, Partition):
             all_objects: Iterable[Selection] = find_objects_everywhere(values)
+        elif isinstance(values, VolumePartition):
+            all_objects = find_bodies_everywhere(values)
         else:
-            result = values if isinstance(values, Result) else _run_everywhere(_as_plane_of_objects(values), parameters)
+            result = values if isinstance(values, Result) else _run_everywhere(as_image(values), parameters)
             all_objects = result.objects
         return tuple(one for one in all_objects if not one.confidence < min_confidence)
-    if isinstance(values, Result):
-        cut = Partition.from_result(values)
+    if isinstance(values, Partition | VolumePartition):
+        cut = values
     else:
-        cut = values if isinstance(values, Partition) else Partition(_as_plane_of_objects(values), ())
+        cut = partition(values) if isinstance(values, Result) else partition_without_run(as_image(values))
     found = list(like)
-    taken = np.any([one.mask for one in like], axis=0)
     for one in like:
         for other in find_similar_objects(cut, one):
-            if other.confidence >= min_confidence and not (other.mask & taken).any():
+            if other.confidence >= min_confidence and not any(other.region.count_shared(each.region) for each in found):
                 found.append(other)
-                taken |= other.mask
     return tuple(found)
-
-
-def _as_plane_of_objects(values: ArrayLike | Image) -> Image:
-    """Convert values to an image; ValueError for a volume, whose objects are those of a run."""
-    image = as_image(values)
-    if image.ndim == 3:
-        raise ValueError(
-            f"{image.source} is a volume, {format_size(image.shape)} voxels: run it, and take the objects of the "
-            "result, cpm.segment(...).objects."
-        )
-    return as_plane(image)

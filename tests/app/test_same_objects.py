@@ -1,6 +1,6 @@
 """One answer to what is there: every way shows the objects that the run proposes, the same to the pixel.
 
-Those of an image that is cut are compared in `tests/core/chunked`.
+Those of an image that is cut are compared in `tests/core/chunked`, those of a volume in `views/volume`.
 """
 
 from __future__ import annotations

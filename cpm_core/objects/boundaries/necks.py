@@ -6,21 +6,24 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.types import Index, Mask
+from cpm_core.numerics.types import Array, Index, Mask
 
 _NECK_DEPTH_RATIO = 0.1
 """How much narrower a neck is than both of the bodies that it joins, as a fraction of a radius."""
 
 
-def split_at_necks(mask: Mask, radius: float | None = None) -> Index:
-    """Split a mask, shape (H, W), at its necks into bodies, numbered from 1; 0 outside, shape (H, W).
+def split_at_necks(mask: Mask, radius: float | None = None, sides: Array | None = None) -> Index:
+    """Split a mask of an image or a volume at its necks into bodies, numbered from 1; 0 outside.
 
-    A neck is narrower than what it joins by a fraction of a radius [px], by default that of the widest body.
+    A neck is narrower than what it joins by a fraction of a radius [px], by default that of the widest body. `sides`
+    are those of a voxel, the smallest being 1.
     """
-    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"))
-    depth = scipy.ndimage.gaussian_filter(depth, 1.0, mode="nearest")[1:-1, 1:-1]
+    inner = (slice(1, -1),) * mask.ndim
+    sides = np.ones(mask.ndim) if sides is None else sides
+    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"), sampling=sides)
+    depth = scipy.ndimage.gaussian_filter(depth, 1.0 / sides, mode="nearest")[inner]
     radius = float(depth.max()) if radius is None else radius
     tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK_DEPTH_RATIO * radius))  # type: ignore[no-untyped-call]
-    markers, _ = scipy.ndimage.label((tops > 0) & mask, np.ones((3, 3)))
+    markers, _ = scipy.ndimage.label((tops > 0) & mask, np.ones((3,) * mask.ndim))
     parts = skimage.segmentation.watershed(-depth, markers, mask=mask)  # type: ignore[no-untyped-call]
     return np.asarray(parts, dtype=np.int64)

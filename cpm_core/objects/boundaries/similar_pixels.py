@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
+from cpm_core.numerics.grids import bounding_window, expand_window
 from cpm_core.numerics.types import Array, Mask
 
 _MIN_CONTRAST_RATIO = 0.4
@@ -20,16 +21,25 @@ _SURROUNDINGS_RATIO = 0.5
 """Width of the surroundings, as a fraction of the radius."""
 
 
-def find_similar_pixels(values: Array, mask: Mask, interest: Mask) -> Mask:
-    """Find the pixels of interest whose gray level is similar to that of an object, all of shape (H, W).
+def measure_radius(mask: Mask, sides: Array) -> float:
+    """Measure the radius of the disk or the ball that is as large as a mask, with pixels of these sides."""
+    size = np.count_nonzero(mask) * float(np.prod(sides))
+    return float(np.sqrt(size / np.pi) if mask.ndim == 2 else np.cbrt(0.75 * size / np.pi))
 
-    Returns them and the object, shape (H, W), without small holes.
+
+def find_similar_pixels(values: Array, mask: Mask, interest: Mask, sides: Array | None = None) -> Mask:
+    """Find the pixels of interest whose gray level is similar to that of an object, all of the shape of `values`.
+
+    Returns them and the object, without small holes. `sides` are those of a voxel, the smallest being 1.
     """
-    radius = np.sqrt(np.count_nonzero(mask) / np.pi)
-    away = scipy.ndimage.distance_transform_edt(~mask)
-    ring = (away > 1.0) & (away <= max(2.0, _SURROUNDINGS_RATIO * radius) + 1.0)
-    own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.any() else 0.0
-    smooth = scipy.ndimage.gaussian_filter(values, min(_MAX_GRAY_SMOOTHING, 0.2 * radius))
+    sides = np.ones(mask.ndim) if sides is None else sides
+    radius = measure_radius(mask, sides)
+    width = max(2.0, _SURROUNDINGS_RATIO * radius) + 1.0
+    window = expand_window(bounding_window(mask), int(width) + 1, mask.shape)
+    away = scipy.ndimage.distance_transform_edt(~mask[window], sampling=sides)
+    ring = values[window][(away > 1.0) & (away <= width)]
+    own, around = float(np.median(values[mask])), float(np.median(ring)) if len(ring) else 0.0
+    smooth = scipy.ndimage.gaussian_filter(values, min(_MAX_GRAY_SMOOTHING, 0.2 * radius) / sides)
     share = (smooth - around) / (own - around) if own != around else np.zeros_like(smooth)
     found = (share >= _MIN_CONTRAST_RATIO) & (share <= _MAX_CONTRAST_RATIO) & interest
     holes, _ = scipy.ndimage.label(~found)

@@ -292,7 +292,7 @@ def selection_from_object(item: SegmentedObject, shape: Extent) -> Selection:
         outside=item.outside.reshape(-1, len(shape)),
         contours=contours_from_object(item),
         gaps=tuple(np.array(gap) for gap in item.gaps),
-        confidence=item.confidence if len(shape) == 2 else np.nan,
+        confidence=item.confidence if len(shape) == 2 else item.confidence or np.nan,
         model=item.model,
     )
 

@@ -173,14 +173,15 @@ def replace_boundaries(document: Document, found: Iterable[SelectionUpdate]) -> 
 
 def object_from_selection(selection: Selection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
     """Make an object of a selection that is not empty."""
+    known = float(np.nan_to_num(selection.confidence))  # unknown where a body was clicked
+    confidence = round(min(max(known, 0.0), 1.0), _SESSION_DECIMALS)
     if selection.region.ndim == 3:
         region = selection.region
         if region.pixels is not None and selection.prediction is None:
             clicks = ()  # they no longer explain what has been painted
         if region.surface is not None:
             region = replace(region, surface=Region.from_surface(region.surface).surface)
-        return SegmentedObject(number, clicks, region, category=category, model=selection.model)
-    confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _SESSION_DECIMALS)
+        return SegmentedObject(number, clicks, region, category=category, confidence=confidence, model=selection.model)
     item = object_from_contours(number, category, selection.contours, selection.gaps)
     return replace(item, clicks=clicks, confidence=confidence, model=selection.model)
 

@@ -113,11 +113,11 @@ def select_near_clicks(clicks: Clicks, here: Slice) -> Clicks:
 
 
 def cut_selection(selection: Selection, here: Slice) -> Selection:
-    """Cut a selection by a slice: only its boundary is given."""
+    """Cut a selection by a slice: only its boundary and its confidence are given."""
     nowhere = np.empty((0, 2))
     lines = () if selection.surface is None else _cut_into_closed_lines(selection.surface, here)
-    boundary = Region(tuple(as_line(line.points) for line in lines))
-    return Selection(boundary, here.drop_axis(selection.shape), nowhere, nowhere, lines, confidence=1.0)
+    boundary, shape = Region(tuple(as_line(line.points) for line in lines)), here.drop_axis(selection.shape)
+    return Selection(boundary, shape, nowhere, nowhere, lines, confidence=selection.confidence)
 
 
 _CENTERLINE_DISTANCE = 1.5

@@ -33,7 +33,7 @@ from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
-from cpm_core.objects.segmented import Click, SegmentedObject, selection_from_object
+from cpm_core.objects.segmented import Click, SegmentedObject, selection_from_object, unite_regions
 from cpm_core.objects.segmented.segmented_object import Clicks
 
 _SAME_OBJECT_COVERAGE = 0.5
@@ -41,7 +41,7 @@ _SAME_OBJECT_COVERAGE = 0.5
 
 
 def format_confidence(selection: Selection) -> str:
-    """Format the confidence of an object as text; empty in a volume, where it is unknown."""
+    """Format the confidence of an object as text; empty where it is unknown."""
     return "" if math.isnan(selection.confidence) else localize_number(f"{100.0 * selection.confidence:.0f} %")
 
 
@@ -293,7 +293,7 @@ class ObjectSelection(QObject):
     def find_similar(self, number: int) -> None:
         """Add all objects that are similar to one and not among the objects yet."""
         partition, known = self.partition_updater.partition, self._session.document.objects
-        if not isinstance(partition, Partition):  # not available in a volume
+        if partition is None:
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
@@ -301,8 +301,13 @@ class ObjectSelection(QObject):
 
         def find_new(task: BackgroundTask) -> list[Selection]:
             found = select_all(partition, [selection_from_object(example, partition.shape)])
-            taken = np.any([item.region.paste(partition.shape) for item in known.items], axis=0)
-            new = [each for each in found[1:] if (each.mask & taken).sum() < _SAME_OBJECT_COVERAGE * each.mask.sum()]
+            taken = unite_regions((item.region for item in known.items), partition.shape)
+            regions = [(each, each.region, taken[each.region.window]) for each in found[1:]]
+            new = [
+                each
+                for each, region, there in regions
+                if (region.mask & there).sum() < _SAME_OBJECT_COVERAGE * region.mask.sum()
+            ]
             return new if known.may_overlap else [partition.remove_pixels(each, taken) for each in new]
 
         def add_found(found: list[Selection]) -> None:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from functools import cached_property
-from itertools import chain
 from typing import cast
 
 import numpy as np
@@ -33,6 +32,7 @@ from cpm_core import (
     uniform_grid,
 )
 from cpm_core.image import AnyRegions, plane_regions
+from cpm_core.image.region import Region
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, Mask, frozen
@@ -379,12 +379,7 @@ class Selector:
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:
         """The offered objects, except for rejected ones, those that exist, and parts of merged or corrected ones."""
-        found, known = self._offered, (*self.items, *self._rejected)
-        if isinstance(self.partition, VolumePartition):
-            left = _remove_taken_bodies(self.partition, found, known)
-        else:
-            left = _remove_covered(found, known)
-        new = {each.clicks for each in left}
+        new = {each.clicks for each in _remove_covered(self._offered, (*self.items, *self._rejected))}
         joined = [frozenset(item.clicks) for item in self.items]
         return tuple(
             each
@@ -399,27 +394,19 @@ def find_proposals(result: Result, task: BackgroundTask) -> tuple[Proposal, ...]
     return tuple(Proposal(one, (Click(as_line(one.inside)),), key=~index) for index, one in found)
 
 
-def _remove_taken_bodies(
-    partition: VolumePartition, found: Sequence[Proposal], items: Sequence[SegmentedObject]
-) -> list[Proposal]:
-    """Return the proposals in a volume in whose bodies no object has been selected."""
-    clicked = (collect_points(initial_clicks(item, partition.shape), inside=True) for item in items)
-    taken = {0, *chain.from_iterable(partition.find_body_numbers(places).tolist() for places in clicked)}
-    return [each for each in found if taken.isdisjoint(partition.find_body_numbers(each.selection.inside).tolist())]
-
-
 def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
     """Return the proposals at least half of which is not covered by objects, not counting much larger ones."""
     left = []
     for each in found:
-        places, most = _sample_pixels(each.selection), _MUCH_LARGER * each.selection.size
+        region = each.selection.region
+        places, most = _sample_pixels(region), _MUCH_LARGER * np.count_nonzero(region.mask)
         within = [item.region.encloses(places) for item in items if item.region.size < most]
         if not within or np.any(within, axis=0).mean() < 0.5:
             left.append(each)
     return left
 
 
-def _sample_pixels(selection: Selection) -> Array:
-    """Sample pixels of an object, spread over all of it, shape (N, 2) [px]."""
-    pixels = np.argwhere(selection.region.mask) + selection.region.origin
+def _sample_pixels(region: Region) -> Array:
+    """Sample pixels of a region, spread over all of it, shape (N, D) [px]."""
+    pixels = np.argwhere(region.mask) + region.origin
     return np.asarray(pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)], float)

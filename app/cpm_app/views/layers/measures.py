@@ -28,7 +28,7 @@ class MeasureLayer(Layer):
     def create_items(self) -> None:
         """Create the items of the layer."""
         self._lines = Curves(theme.MEASURE_COLOR, _MEASURE_Z, 1.8, 3.6, kind="shapes")
-        self.labels = TextLabels(_MEASURE_Z + 0.1, above=True)
+        self.labels = TextLabels(_MEASURE_Z + 0.1)
         self.add_items(self._lines, self.labels)
 
     def show_scene(self, before: Scene) -> None:

@@ -164,12 +164,12 @@ class ObjectLayer(Layer):
         """Show the probabilities of proposals; of many, only of the one under the pointer and of selected ones."""
         shown, offered = self.scene.objects, self._proposals
         few = len(offered) <= _MAX_MARKED_PROPOSALS
-        offered = offered if self.scene.volume is None else []  # bodies have no probability
         marked = [
             found
             for key, found in offered
             if key in {*shown.selected, shown.hovered, 0} or len(offered) == 1 or (few and not is_likely(found))
         ]
+        marked = [found for found in marked if format_confidence(found)]  # unknown where a body was clicked
         texts = (f"{'? ' * (not is_likely(found))}{format_confidence(found)}" for found in marked)
         highest = (tuple(min(np.concatenate(_selection_curves(found)).tolist())) for found in marked)
         self._probabilities.show_texts([(place, text, "#ffffff") for place, text in zip(highest, texts, strict=True)])

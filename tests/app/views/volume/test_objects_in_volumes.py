@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import tifffile
+from cpm_app.model.document import objects
 from cpm_app.model.volume.shape_sections import Cut
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.features.files import OpenSaveFeature
@@ -12,6 +13,7 @@ from cpm_app.views.features.volumes import SpaceFeature
 from PySide6.QtCore import QPoint, Qt
 
 from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.shapes import EnclosedRegion
@@ -384,3 +386,17 @@ def test_what_follows_enter_before_the_answer_is_done_after_it(volume, hand, key
     count, whole = {KEY.Key_F2: (1, BALL), KEY.Key_M: (1, 2 * BALL), KEY.Key_K: (2, BALL)}.get(key, (0, 0.0))
     hand.wait(lambda: len(items(volume)) == count)
     assert sum(item.region.size for item in items(volume)) == pytest.approx(whole, rel=0.1)
+
+
+def test_all_like_a_body_are_found_by_one_key(volume, hand) -> None:
+    inside = np.linalg.norm(np.moveaxis(np.indices(SHAPE), 0, -1) - ONE, axis=-1) < RADIUS
+    one = SegmentedObject(1, (), Region.from_mask(inside))
+    volume.session.edit("add", lambda document: objects.accept_objects(document, [one]))
+    hand.key(KEY.Key_W)
+    hand.wait(lambda: volume.workspace.object_selection.ready)
+    volume.workspace.object_list.select_objects([1])
+    hand.wait(volume.actions_by_name["objects_alike"].isEnabled)
+    hand.key(KEY.Key_L, Qt.KeyboardModifier.ControlModifier)
+    hand.wait(lambda: len(items(volume)) == 2)
+    assert items(volume)[1].region.contains(OTHER)
+    assert np.count_nonzero(items(volume)[1].region.mask) == pytest.approx(BALL, rel=0.1)

@@ -1,0 +1,68 @@
+"""All bodies of a volume, split where they touch, and those that are similar to one."""
+
+import numpy as np
+import pytest
+
+import cpm_core as cpm
+from cpm_core.image.region import Region
+from cpm_core.objects import compute_iou
+from cpm_core.objects.confidence import BodyFeatures, estimate_body_confidence
+
+SHAPE = (30, 36, 66)
+ONE, OTHER, APART, RADIUS = (14, 17, 13), (14, 17, 28), (15, 17, 52), 8.5
+
+
+def ball(center):
+    return np.linalg.norm(np.moveaxis(np.indices(SHAPE), 0, -1) - center, axis=-1) < RADIUS
+
+
+def torus():
+    plane, row, col = np.moveaxis(np.moveaxis(np.indices(SHAPE), 0, -1) - np.array([15.0, 17.0, 33.0]), -1, 0)
+    return np.hypot(np.hypot(row, col) - 11.0, plane) < 3.5 + 1.5 * np.cos(2.0 * np.arctan2(row, col))
+
+
+def partition(mask, spacing=(1.0, 1.0, 1.0)):
+    values = np.random.default_rng(3).normal(20.0 + 100.0 * mask, 4.0)
+    return cpm.VolumePartition(cpm.Image(values, spacing=spacing), Region.from_mask(mask).find_surface())
+
+
+@pytest.mark.parametrize("spacing", [(1.0, 1.0, 1.0), (3.0, 3.0, 3.0)])
+def test_touching_bodies_are_split_at_their_neck_and_one_alone_keeps_its_surface(spacing):
+    there = partition(ball(ONE) | ball(OTHER) | ball(APART), spacing)
+    found = cpm.select_all(there)
+    assert len(found) == 3
+    for center in (ONE, OTHER, APART):
+        (held,) = (one for one in found if one.contains(np.array([center], float))[0])
+        assert compute_iou(held.mask, ball(center)) > 0.95
+        assert (held.region.surface is None) == (center != APART)
+        assert 0.0 < held.confidence < 1.0
+
+
+def test_a_body_whose_parts_are_not_convex_stays_whole():
+    (found,) = cpm.select_all(partition(torus()))
+    assert np.count_nonzero(found.mask != torus()) < 0.02 * np.count_nonzero(torus())
+
+
+def test_a_steady_convex_body_is_likelier_than_a_ragged_speck():
+    sure, doubtful = BodyFeatures(4.0, 0.94, 3000.0, 0.0), BodyFeatures(0.8, 0.6, 40.0, 0.0)
+    assert estimate_body_confidence(sure) > 0.8
+    assert estimate_body_confidence(doubtful) < 0.4
+
+
+def test_bodies_like_one_are_found_with_or_without_a_run_and_none_is_found_twice():
+    there = partition(ball(ONE) | ball(OTHER) | ball(APART))
+    first = cpm.VolumePartition(there.image).build_selection(Region.from_mask(ball(APART)), [APART])
+    for volume in (there, there.image):
+        found = cpm.select_all(volume, [first])
+        assert found[0] is first
+        assert sum(one.mask.astype(int) for one in found).max() == 1
+        for one, center in zip(sorted(found[1:], key=lambda each: each.inside[0, 2]), (ONE, OTHER), strict=True):
+            assert compute_iou(one.mask, ball(center)) > 0.9
+
+
+def test_a_volume_is_run_from_everywhere_for_its_objects():
+    values = cpm.example("ball")
+    (found,) = cpm.select_all(values)
+    (same,) = cpm.segment(values, cpm.seeds_everywhere(values), cpm.PRESETS["volume"]).objects
+    assert found.has_same_region(same)
+    assert found.confidence == same.confidence
