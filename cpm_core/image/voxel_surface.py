@@ -76,7 +76,7 @@ def follow_painted_voxels(surface: Surface, before: Mask, after: Mask, origin: I
     patch = surround_voxels(after[window], tuple(first.tolist()))
     distances = [_look_up(away, body.vertices - first + reach) for body in (surface, patch)]
     for limit in _PATCH_REACHES:
-        gone = (distances[0][surface.faces] <= limit).any(axis=1)
+        gone = np.asarray((distances[0][surface.faces] <= limit).any(axis=1))
         new = patch.faces[(distances[1][patch.faces] <= limit).all(axis=1)]
         joined = _replace_faces(surface, gone, patch.vertices, new)
         if joined is not None:

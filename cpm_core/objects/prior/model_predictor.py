@@ -10,7 +10,7 @@ import PIL.Image
 import scipy
 
 from cpm_core.numerics.grids import bounding_window
-from cpm_core.numerics.types import Array, Index, Mask, Numbers, Pixels, Single, record
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Pixels, Single, record
 from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range, sample_bilinear
 from cpm_core.objects.prior.larger_models import decode_prompt, encode_image
 from cpm_core.objects.prior.object_predictor import (
@@ -77,9 +77,10 @@ class ModelPredictor:
         likely = answer > 0.0
         if likely.any():
             ends = ((side.start - 0.5, side.stop + 0.5) for side in bounding_window(likely))
+            sides: Extent = mask.shape
             rows, cols = (
-                np.arange(max(int(low * self._scale), 0), min(int(high * self._scale) + 1, count))
-                for (low, high), count in zip(ends, mask.shape, strict=True)
+                np.arange(max(int(low * self._scale), 0), min(int(high * self._scale) + 1, side))
+                for (low, high), side in zip(ends, sides, strict=True)
             )
             seen = sample_bilinear(answer[..., None], self._shrink(rows), self._shrink(cols))
             mask[np.ix_(rows, cols)] = seen[..., 0] > 0.0
