@@ -47,7 +47,7 @@ from cpm_core.objects.selection import (
     Selection,
     keep_last_marks,
 )
-from cpm_core.objects.vessels import find_vessel_tree
+from cpm_core.objects.vessels import find_thin_object
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
@@ -85,7 +85,7 @@ _NO_OBJECT_REMARK = "No object was found around these points: only their own pix
 """Remark on a selection that holds only the pixels of its points."""
 
 _LEAST_CONFIDENCE = 0.05
-"""Confidence below which an answer has a remark: of twenty such answers not one is an object."""
+"""Confidence below which an answer has a remark, and lines precede it: of twenty such answers not one is an object."""
 
 _UNLIKELY_REMARK = "There may be no object here: the confidence is almost zero."
 """Remark on a selection of almost no confidence, as in the background."""
@@ -460,15 +460,17 @@ class Partition(drawing.Pictured):
         return Prompt(*(pixels[free[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
     def _predict_candidates(self, prompt: Prompt, area: float | None = None) -> Iterator[Candidate]:
-        """Predict the candidates for a prompt, the most likely one first; a tree of vessels precedes all others.
+        """Predict the candidates for a prompt, the most likely one first.
 
+        A tree of vessels precedes all others, and any other thin object those that the network holds for unlikely.
         Of an object whose `area` [px²] is known, the candidates of similar size come first.
         """
         if not self.uses_network:
             return
-        tree = find_vessel_tree(self.values, prompt.positive) if prompt.has_only_positive else None
-        if tree is not None:
-            yield Candidate(Region.from_mask(tree))
+        thin = find_thin_object(self.values, prompt.positive) if prompt.has_only_positive else None
+        if thin is not None and thin.is_tree:
+            yield Candidate(Region.from_mask(thin.mask))
+            thin = None
         for likely in self._predictor.predict_objects(prompt, area):
             mask = likely.mask
             if likely.downsampling > 1.0 and self.contours:  # contours are more exact than a coarse prediction
@@ -477,7 +479,12 @@ class Partition(drawing.Pictured):
                 if paths:
                     mask[box] = snap_to_contours(mask[box], find_crossings(paths, mask[box].shape), likely.downsampling)
             features = ConfidenceFeatures(*likely[2:], point_count=len(prompt.positive) + len(prompt.negative))
+            if thin is not None and estimate_confidence(features) < _LEAST_CONFIDENCE:
+                yield Candidate(Region.from_mask(thin.mask))
+                thin = None
             yield Candidate(Region.from_mask(mask), features)
+        if thin is not None:
+            yield Candidate(Region.from_mask(thin.mask))
 
     def _find_alternatives(self, mask: Mask, prompt: Prompt) -> Iterator[Candidate]:
         """Find alternatives to an object: closed contours around it, a body of it alone, or more than it."""

@@ -1,6 +1,8 @@
-"""The tree of vessels that points or a scribble lie in: connected lines that are long and thin."""
+"""Long and thin objects that points or a scribble lie in: trees of vessels, cracks, roots, fibers."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -25,31 +27,48 @@ _MIN_TREE_LENGTH = 60.0
 _MAX_TREE_FILL = 0.05
 """Largest area of a tree, as a fraction of the squared diagonal of its box: cells and furrows fill theirs."""
 
+_MIN_RELATIVE_CONTRAST = 0.4
+"""Least contrast of its pixels, in that of the nearest one in its middle."""
+
 _MIN_POINT_SHARE = 0.7
 """Least share of the points that lie in the tree."""
 
 
-def find_vessel_tree(values: Array, pixels: Index) -> Mask | None:
-    """Find the tree of vessels of an image, shape (H, W), that pixels, shape (N, 2), lie in; None without one."""
+class ThinObject(NamedTuple):
+    """Connected lines.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (H, W)
+        Their pixels.
+    is_tree : bool
+        Whether they are so long and thin that they can only be a tree of vessels, or the like.
+    """
+
+    mask: Mask
+    is_tree: bool
+
+
+def find_thin_object(values: Array, pixels: Index) -> ThinObject | None:
+    """Find the connected lines of an image, shape (H, W), that pixels, shape (N, 2), lie in; None without any."""
     if not len(pixels):
         return None
-    for reach, slender, thin in (
-        (_FIRST_REACH, _MIN_LINE_LENGTH, 1.0),
-        (_TREE_REACH, _MIN_TREE_LENGTH, _MAX_TREE_FILL),
-    ):
+    found: ThinObject | None = None
+    for reach in (_FIRST_REACH, _TREE_REACH):
         low = np.maximum(pixels.min(axis=0) - reach, 0)
         high = pixels.max(axis=0) + reach + 1
         box = slice(low[0], high[0]), slice(low[1], high[1])
-        tree = _find_line_around(values[box], pixels - low, slender, thin)
-        if tree is None:
+        found = _find_lines_around(values[box], pixels - low)
+        if found is None:
             return None
+    assert found is not None
     whole = np.zeros(values.shape, bool)
-    whole[box] = tree
-    return whole
+    whole[box] = found.mask
+    return found._replace(mask=whole)
 
 
-def _find_line_around(values: Array, pixels: Index, slender: float, thin: float) -> Mask | None:
-    """Find the connected lines that hold pixels, if long in mean widths and filling little of their box."""
+def _find_lines_around(values: Array, pixels: Index) -> ThinObject | None:
+    """Find the connected lines that hold pixels, if long in mean widths."""
     dark, bright = filter_lines(values)
     for kind, other in ((dark, bright), (bright, dark)):
         parts, count = scipy.ndimage.label(kind.find_pixels_above_chance(other), np.ones((3, 3)))
@@ -61,12 +80,10 @@ def _find_line_around(values: Array, pixels: Index, slender: float, thin: float)
         middle = skimage.morphology.skeletonize(part)  # type: ignore[no-untyped-call]
         area, length = np.count_nonzero(part), np.count_nonzero(middle)
         slope = scipy.ndimage.gaussian_gradient_magnitude(values, 1.0)[middle]
-        across = float(np.square(np.diff(true_bounds(part), axis=0)).sum())
         # the image is level along the middle of a line, but steepest at the rim of a disk, which bends as well
-        if (
-            np.median(slope) < np.median(kind.contrast[middle])
-            and length**2 >= slender * area
-            and area <= thin * across
-        ):
-            return np.asarray(part)
+        if np.median(slope) < np.median(kind.contrast[middle]) and length**2 >= _MIN_LINE_LENGTH * area:
+            across = float(np.square(np.diff(true_bounds(part), axis=0)).sum())
+            _, nearest = scipy.ndimage.distance_transform_edt(~middle, return_indices=True)
+            clear = part & (middle | (kind.contrast >= _MIN_RELATIVE_CONTRAST * kind.contrast[tuple(nearest)]))
+            return ThinObject(clear, bool(length**2 >= _MIN_TREE_LENGTH * area and area <= _MAX_TREE_FILL * across))
     return None
