@@ -223,7 +223,8 @@ class MainWindow(QMainWindow):
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Open the dropped files, or with Shift put one over the image."""
-        event.acceptProposedAction()
+        event.setDropAction(Qt.DropAction.CopyAction)  # Shift proposes to move: the source would delete the file
+        event.accept()
         over = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
         (self.overlay_dropped if over else self.urls_dropped).emit(event.mimeData().urls())
 
