@@ -114,7 +114,9 @@ def test_the_table_lists_and_selects_measures_and_is_there_while_there_are_any(w
         assert tabs.currentWidget() is table
 
 
-@pytest.mark.parametrize(("value", "text"), [(64.0813, "64.08"), (999.96, "1000"), (31415.9, "31,416"), (-1023.6, "-1,024")])
+@pytest.mark.parametrize(
+    ("value", "text"), [(64.0813, "64.08"), (999.96, "1000"), (31415.9, "31,416"), (-1023.6, "-1,024")]
+)
 def test_large_measures_have_no_exponent(value, text) -> None:
     assert format_measured(value) == text
 
