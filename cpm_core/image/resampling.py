@@ -18,14 +18,24 @@ _MIN_EQUAL_NEIGHBORS = 0.5
 """Share of the neighbors in and around the objects of a label map that are equal, at least."""
 
 
+_LEAST_STEPS = 3
+"""Number of levels with a common divisor, such as 0, 85, 170 and 255, from which on they are gray levels."""
+
+
 def is_label_map(image: Image) -> bool:
-    """Tell whether gray levels are numbers of objects: whole, and mostly those of their neighbors."""
+    """Tell whether gray levels are numbers of objects: whole, mostly those of their neighbors, and no even steps.
+
+    The level of the first pixel is that of the background, as white is in drawings.
+    """
     levels = image.stored
     if image.colors is not None or levels.min() < 0 or (levels.dtype.kind == "f" and (levels % 1.0).any()):
         return False
-    left, right = levels[..., :-1], levels[..., 1:]
-    inside = (left > 0) | (right > 0)
-    return bool(inside.any() and (left == right)[inside].mean() >= _MIN_EQUAL_NEIGHBORS)
+    left, right, background = levels[..., :-1], levels[..., 1:], levels.flat[0]
+    inside = (left != background) | (right != background)
+    if not inside.any() or (left == right)[inside].mean() < _MIN_EQUAL_NEIGHBORS:
+        return False
+    step = np.gcd.reduce(levels.astype(np.int64), axis=None)
+    return bool(step == 1 or levels.max() < _LEAST_STEPS * step)
 
 
 def find_grid_mapping(image: Image, target: Image) -> Array:

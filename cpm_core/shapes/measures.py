@@ -49,6 +49,8 @@ class Ruler(OpenPath):
 
     title: ClassVar[str] = "ruler"
 
+    points: tuple[Place, ...]
+
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_count(self, 2)
@@ -65,6 +67,8 @@ class Angle(OpenPath):
 
     title: ClassVar[str] = "angle"
     least: ClassVar[int] = 3
+
+    points: tuple[Place, ...]
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -320,7 +320,7 @@ def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback
     Returns
     -------
     path : Path
-        Its file.
+        Its file, or its folder.
     notes : tuple of str
         A warning when the image has changed since.
 
@@ -333,7 +333,7 @@ def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback
         folder / place for place in (image.path, image.absolute or image.path, PurePath(image.path).name)
     )
     for candidate in candidates:
-        if os.path.isfile(candidate):  # noqa: PTH113 - raises nothing
+        if candidate != folder and os.path.exists(candidate):  # noqa: PTH110 - raises nothing
             found = candidate.resolve()
             if image.sha256 not in ("", try_fingerprint(found, check_cancelled)):
                 return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)

@@ -57,6 +57,10 @@ def test_label_maps_are_told_from_gray_images() -> None:
     blocks = np.kron(np.random.default_rng(2).integers(0, 4, (6, 6)), np.ones((8, 8)))
     blurred = np.maximum(np.hypot(*(np.indices((48, 48)) - 24.0)) - 10.0, 0.0)
     assert is_label_map(Image(blocks)) and is_label_map(Image(blocks.astype(np.uint8)))
+    assert is_label_map(Image(255.0 * (blocks > 2.0)))
+    drawing = np.full((96, 96), 255, np.uint8)
+    drawing[24:72, 24:72] = np.rint(5.0 * blurred)
+    assert not is_label_map(Image(85.0 * blocks)) and not is_label_map(Image(drawing))
     assert not is_label_map(Image(blurred)) and not is_label_map(Image(np.rint(5.0 * blurred).astype(np.uint8)))
 
 

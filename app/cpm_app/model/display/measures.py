@@ -31,11 +31,17 @@ def describe_measure(shape: Measure, image: Image, channel: str) -> str:
     unit = size.unit or "px"
     parts = []
     if found.length is not None:
-        parts.append(f"{size.factor * found.length:.4g} {unit}")
+        parts.append(f"{format_measured(size.factor * found.length)} {unit}")
     if found.angle is not None:
-        parts.append(f"{found.angle:.1f}°")
+        parts.append(localize_number(f"{found.angle:.1f}°"))
     if found.mean is not None and found.deviation is not None:
-        parts.append(f"{found.mean:.4g} ± {found.deviation:.3g}{' HU' if image.is_ct else ''}")
+        gray = f"{format_measured(found.mean)} ± {format_measured(found.deviation, 3)}"
+        parts.append(f"{gray} HU" if image.is_ct else gray)
     if found.area is not None:
-        parts.append(f"{size.factor**2 * found.area:.4g} {unit}²")
-    return localize_number(", ".join(parts))
+        parts.append(f"{format_measured(size.factor**2 * found.area)} {unit}²")
+    return ", ".join(parts)
+
+
+def format_measured(value: float, digits: int = 4) -> str:
+    """Format a number with some digits at least, and never with an exponent where it is large."""
+    return localize_number(f"{value:,.0f}" if abs(value) >= 10 ** (digits - 1) else f"{value:.{digits}g}")

@@ -88,8 +88,8 @@ class StackSource:
         return number or self._default
 
     def reading_for(self, number: int) -> Reading:
-        """Return the reading of a page; the default page needs no number."""
-        selected: dict[str, Any] = {self.kind: None if number == self._default else number}
+        """Return the reading of a page; the default page of images needs no number."""
+        selected: dict[str, Any] = {self.kind: None if number == self._default and not self.has_volumes else number}
         return replace(self.reading, **selected)
 
     def follow_second(self, second: SecondFile | None, number: int) -> SecondFile | None:

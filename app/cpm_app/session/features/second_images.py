@@ -74,7 +74,8 @@ class SecondImages(QObject):
             second, notes = found
             use(file)
             self._show(second)
-            if notes:
+            open_file = self._session.document.image
+            if notes and (open_file is None or file.path != open_file.path):
                 self._session.messages.show(notes)
 
         title, activity = tr("Reading {name}…", name=name), tr("reading {name}", name=name)

@@ -26,7 +26,7 @@ class DrawFeature(Feature):
         tools = [
             ActionSpec(tool.name, "Tools", tool.menu_text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
                        icon=tool.name, group="tool", checked=tool.name == FIRST_TOOL,
-                       gap=tool is group[0], when=has_image)
+                       gap=tool is group[0], when=has_image, short=tool.short)
             for group in TOOLS_BY_GROUP.values() for tool in group
         ]  # fmt: skip
         self.actions = (

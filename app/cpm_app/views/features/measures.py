@@ -16,7 +16,7 @@ class MeasuresFeature(Feature):
     def set_up(self) -> None:
         """Create the panel and connect it to what it depends on."""
         window = self.window
-        self.table = MeasureTable(self.session)
+        self.table = MeasureTable(self.session, window.workspace.slices)
         self.panels = (Panel("measures", "Measures", self.table, "Ctrl+Shift+M", shown_at_start=False),)
         self.table.zoom_wanted.connect(window.canvas_area.zoom_to_selection)
         window.preferences.call_on_change(UNIT_PREFERENCE, self._on_unit_changed)

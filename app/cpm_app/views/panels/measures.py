@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt
 from cpm_app.model.display.lengths import preferred_pixel_size
 from cpm_app.model.display.measures import measure_in_image
 from cpm_app.model.text.language import tr, translate_core_text
+from cpm_app.session.features.slices import SliceNavigation
 from cpm_app.session.session import Session
 from cpm_app.views.panels.tables import Column, ItemTable, TableModel
 from cpm_core.numerics.types import frozen
@@ -31,14 +32,15 @@ def _build_columns(gray_unit: str = "") -> tuple[Column[MeasureRow], ...]:
     return (
         Column("name", tr("Measure"), tr("The measures, in the order drawn."), lambda row: row.title, "measuring",
                sort_by=lambda row: row.index),
-        Column("length", tr("Length"), tr("Length of a ruler."), value("length"), "0,000", 1),
+        Column("length", tr("Length [{unit}]"), tr("Length of a ruler."), value("length"), "0,000", 1,
+               number_format=",.4g"),
         Column("angle", tr("Angle"), tr("Angle at the middle of three points."), value("angle"), "000.0°",
                number_format=".1f", suffix="°"),
         Column("mean", tr("Mean"), tr("Mean gray value inside."), value("mean"), "-0000.0", number_format=".1f",
                suffix=gray_unit),
         Column("deviation", tr("Deviation"), tr("Standard deviation of the gray values inside."), value("deviation"),
                "000.0", number_format=".1f", suffix=gray_unit),
-        Column("area", tr("Area"), tr("Area of an ellipse."), value("area"), "00,000", 2),
+        Column("area", tr("Area [{unit}²]"), tr("Area of an ellipse."), value("area"), "00,000", 2),
         Column("pixels", tr("Pixels"), tr("Number of pixels whose centers lie inside."), value("pixels"), "00,000",
                number_format=".0f"),
     )  # fmt: skip
@@ -49,11 +51,12 @@ class MeasureTable(ItemTable):
 
     menu_name = "shape"
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
+    def __init__(self, session: Session, slices: SliceNavigation) -> None:
+        self._session, self._slices = session, slices
         super().__init__(TableModel[MeasureRow](_build_columns(), lambda row: row.index), tr("Measures"))
         self.setSelectionMode(self.SelectionMode.SingleSelection)
         self.sortByColumn(-1, Qt.SortOrder.AscendingOrder)
+        self.clicked.connect(self._show_slices)
         session.document_changed.connect(lambda *_: self.show_items())
         session.image_changed.connect(self.show_items)
 
@@ -64,8 +67,15 @@ class MeasureTable(ItemTable):
         return {index} if index is not None and isinstance(shapes[index], Measure) else set()
 
     def select_keys(self, keys: Sequence[int]) -> None:
-        """Select a measure, or none."""
+        """Select a measure, in a volume with the slices through it, or none."""
         self._session.select_shape(next(iter(keys), None))
+        self._show_slices()
+
+    def _show_slices(self) -> None:
+        """Show the slices through the selected measure."""
+        for index in self.selected_keys if self._slices.current is not None else ():
+            outline = self._session.document.shapes[index].outline
+            self._slices.go_through(tuple((0.5 * (outline.min(axis=0) + outline.max(axis=0))).tolist()))
 
     def remove_selected(self) -> None:
         """Delete the selected measure."""

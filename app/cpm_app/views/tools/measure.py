@@ -78,6 +78,7 @@ class OvalTool(DraggedTool):
 
     name = "oval"
     menu_text = tr("&Measuring ellipse")
+    short = tr("Mean")
     shortcut = "Z"
     tip = tr("Drag a box around an ellipse to measure the mean and the standard deviation in it; Shift makes it round.")
     keyboard_tip = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")

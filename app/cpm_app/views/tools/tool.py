@@ -54,6 +54,8 @@ class Tool:
     """Name in code, and name of its icon."""
     menu_text: str
     """Text in the menu."""
+    short: str = ""
+    """Text of its button; empty for that in the menu."""
     shortcut: str
     """Key that selects the tool."""
     panel: Literal["objects", "run"] = "run"

@@ -37,7 +37,7 @@ _DIGITS_PER_GROUP = 3
 """Number of digits between two group separators."""
 
 PLACE_JUMP = 10
-"""Slices or pages by which Page Up and Page Down move the slider."""
+"""Slices or pages by which Page Up and Page Down move the slider, at most."""
 
 
 class WheelWithFocus:
@@ -256,7 +256,6 @@ class PlaceBar(QFrame):
         self.slider, self.number, self.total_label = QSlider(Qt.Orientation.Horizontal), QSpinBox(), create_dim_label()
         self.slider.setAccessibleName(title)
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.slider.setPageStep(PLACE_JUMP)
         self.number.setAccessibleName(name)
         self.number.setKeyboardTracking(False)
         self.slider.valueChanged.connect(self.moved)
@@ -269,6 +268,7 @@ class PlaceBar(QFrame):
             with QSignalBlocker(field):
                 field.setRange(first, last)
                 field.setValue(place)
+        self.slider.setPageStep(min(max((last - first) // 10, 1), PLACE_JUMP))  # the wheel moves no further than this
         self.total_label.setText(tr("of {last}", last=last))
 
 

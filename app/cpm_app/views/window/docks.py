@@ -101,6 +101,10 @@ class Docks(QObject):
         """Bring a tab to the front, without opening the column."""
         self.tabs.setCurrentWidget(self._panels[name].widget)
 
+    def is_in_front(self, name: str) -> bool:
+        """Return whether a tab is in front."""
+        return self.tabs.currentWidget() is self._panels[name].widget
+
     def reveal_panel(self, name: str) -> None:
         """Open a panel and bring it to the front."""
         if not self._panels[name].below_canvas:

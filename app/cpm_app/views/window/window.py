@@ -56,6 +56,9 @@ _GEOMETRY_KEY = "window/geometry"
 _LAYOUT_KEY = "window/panels"
 """Preference: layout of the panels."""
 
+_MEASURING = {"select", "ruler", "angle", "oval"}
+"""Tools that leave the table of measures in front."""
+
 _THEMES_BY_NAME = {"light": theme.LIGHT_THEME, "dark": theme.DARK_THEME}
 """Themes by the names in the preferences."""
 
@@ -223,7 +226,8 @@ class MainWindow(QMainWindow):
 
     def dropEvent(self, event: QDropEvent) -> None:
         """Open the dropped files, or with Shift put one over the image."""
-        event.acceptProposedAction()
+        event.setDropAction(Qt.DropAction.CopyAction)  # Shift proposes to move: the source would delete the file
+        event.accept()
         over = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
         (self.overlay_dropped if over else self.urls_dropped).emit(event.mimeData().urls())
 
@@ -236,7 +240,9 @@ class MainWindow(QMainWindow):
 
     def _on_tool_changed(self) -> None:
         """Bring the tab of the tool to the front, once per change, as the user may switch to another tab."""
-        self.docks.bring_to_front(self.canvas_area.canvas.dispatcher.tool.panel)
+        tool = self.canvas_area.canvas.dispatcher.tool
+        if not (self.docks.is_in_front("measures") and tool.name in _MEASURING):
+            self.docks.bring_to_front(tool.panel)
         self.refresh_actions()
 
     def _add_menus(self, specs: Sequence[ActionSpec | Submenu]) -> ContextMenus:

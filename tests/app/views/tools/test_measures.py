@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 
 import pytest
+from cpm_app.model.display.measures import format_measured
 from cpm_app.model.document import edits
 from cpm_app.model.document.edits import set_pixel_size
 from cpm_app.views.features.files import OpenSaveFeature
@@ -100,12 +101,24 @@ def test_the_table_lists_and_selects_measures_and_is_there_while_there_are_any(w
     window.docks.reveal_panel("measures")
     hand.wait(lambda: table.column_texts("name") == ["ruler", "angle", "measuring ellipse"])
     assert float(table.column_texts("length")[0]) == pytest.approx(50.0, abs=1.0)
+    assert table.rows.headerData(table.column_index("length"), Qt.Orientation.Horizontal) == "Length [px]"
     assert table.column_texts("mean") == ["–", "–", "200.0"]
     place = table.visualRect(table.rows.index(1, 0)).center()
     hand.qtbot.mouseClick(table.viewport(), Qt.MouseButton.LeftButton, pos=place)
     assert window.session.selected_shape == 1
     hand.qtbot.keyClick(table, KEY.Key_Delete)
     hand.wait(lambda: table.column_texts("name") == ["ruler", "measuring ellipse"])
+    for key in (KEY.Key_S, KEY.Key_V):
+        hand.canvas.setFocus()
+        hand.key(key)
+        assert tabs.currentWidget() is table
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(64.0813, "64.08"), (999.96, "1000"), (31415.9, "31,416"), (-1023.6, "-1,024")]
+)
+def test_large_measures_have_no_exponent(value, text) -> None:
+    assert format_measured(value) == text
 
 
 def test_measures_are_exported_with_units_and_kept_in_the_session(window, hand, tmp_path) -> None:

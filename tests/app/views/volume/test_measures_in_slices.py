@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import pytest
 from cpm_app.model.volume.shape_sections import build_shape_wires
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.measures import MeasuresFeature
 from cpm_app.views.features.volumes import SlicesFeature
 from PySide6.QtCore import Qt
 
+from cpm_core.formats import load_session
 from tests.app.views.volume.conftest import drag
 
 pytestmark = pytest.mark.shared_window
@@ -15,7 +18,7 @@ KEY, PIXEL = Qt.Key, 0.5
 
 
 @pytest.mark.parametrize("index", [0, 1, 2])
-def test_measures_lie_in_the_slices_of_volumes_and_are_seen_in_space(volume, hand, index) -> None:
+def test_measures_lie_in_the_slices_of_volumes_and_are_seen_in_space(volume, hand, index, tmp_path) -> None:
     view = (volume.canvas_area.canvas, *volume.get_feature(SlicesFeature).sides)[index]
     hand.key(KEY.Key_Z)
     drag(view, (9, 10), (12, 14), (15, 20))
@@ -35,3 +38,13 @@ def test_measures_lie_in_the_slices_of_volumes_and_are_seen_in_space(volume, han
     assert here.drop_axis(volume.session.document.shapes[1].points[1]) == pytest.approx((16, 15), abs=2 * PIXEL)
     volume.workspace.slices.step_along(here.axis, 2)
     assert view.layers.measures.labels.texts == []
+    volume.docks.reveal_panel("measures")
+    table = volume.get_feature(MeasuresFeature).table
+    hand.wait(lambda: table.column_texts("name") == ["measuring ellipse", "ruler"])
+    hand.qtbot.mouseClick(
+        table.viewport(), Qt.MouseButton.LeftButton, pos=table.visualRect(table.rows.index(1, 0)).center()
+    )
+    assert volume.session.selected_shape == 1 and len(view.layers.measures.labels.texts) == 2
+    drawn = volume.session.document.shapes
+    volume.get_feature(OpenSaveFeature).document_file.save_and_wait(tmp_path / "kept.cpm")
+    assert load_session(tmp_path / "kept.cpm").shapes == drawn

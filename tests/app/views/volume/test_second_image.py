@@ -43,7 +43,11 @@ def labels(tmp_path):
 def drop(window, path, keys) -> None:
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(path))])
-    window.dropEvent(QDropEvent(QPoint(50, 50), Qt.DropAction.CopyAction, data, Qt.MouseButton.LeftButton, keys))
+    actions = Qt.DropAction.CopyAction | Qt.DropAction.MoveAction
+    event = QDropEvent(QPoint(50, 50), actions, data, Qt.MouseButton.LeftButton, keys)
+    event.setDropAction(Qt.DropAction.MoveAction)
+    window.dropEvent(event)
+    assert event.isAccepted() and event.dropAction() == Qt.DropAction.CopyAction
 
 
 def test_labels_dropped_with_shift_are_shown_where_they_lie_and_undone(head, hand, labels) -> None:

@@ -63,6 +63,8 @@ def test_the_slider_shows_each_time_in_the_same_slices_and_each_keeps_its_work(f
     hand.drag((12, 12), (12, 14), (12, 17))
     go_to(film, hand, 1)
     np.testing.assert_array_equal(session.image.values, load_volume(path).values)
+    assert "Only the first" not in film.canvas_area.messages.text
+    assert bar(film).slider.pageStep() == 1
     assert [type(shape) for shape in session.document.shapes] == [Ruler]
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)

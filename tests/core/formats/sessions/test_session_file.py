@@ -186,6 +186,14 @@ def test_the_image_is_found_when_only_the_session_has_moved_and_when_it_was_put_
     assert find_session_image(session.image, elsewhere)[0] == elsewhere / image_file.name
 
 
+def test_a_folder_with_a_series_is_found(tmp_path: Path) -> None:
+    (tmp_path / "series").mkdir()
+    reference = ImageFile(str(tmp_path / "series"))
+    assert find_session_image(reference, tmp_path) == (tmp_path / "series", ())
+    with pytest.raises(ValueError, match="was not found at"):
+        find_session_image(replace(reference, path=""), tmp_path)
+
+
 def test_a_missing_image_is_told_with_every_place_that_was_looked_at(image_file: Path, tmp_path: Path) -> None:
     save_session(SessionFile(reference(image_file)), tmp_path / "a.cpm")
     image_file.unlink()
