@@ -82,6 +82,8 @@ def test_a_shell_is_told_what_may_follow(tmp_path):
 
 def test_a_mistyped_word_opens_no_window(monkeypatch, capsys):
     monkeypatch.setattr(program, "_open_window", lambda path: pytest.fail("a window was opened"))
+    assert program.main([__file__, "--objects"]) == 2
+    assert f"--objects is for a command, which comes first: cpm run {__file__}" in capsys.readouterr().err
     assert program.main(["rnu", "x"]) == 2
     assert "“rnu” is no command and no file: did you mean run?" in capsys.readouterr().err
 
