@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from docs.making import command_line, figures, formats, headers, notebooks, parameters, reference, rows
+from docs.making import command_line, figures, formats, headers, notebooks, parameters, reference
 
 ROOT = Path(__file__).parents[2]
 """The folder of the project."""
@@ -16,7 +16,6 @@ TABLES: Mapping[str, Callable[[], str]] = {
     "parameters": parameters.table,
     "presets": parameters.presets,
     "writable": formats.writable,
-    "rows": rows.table,
 }
 """The tables that pages contain, so that they can be read without building the documentation."""
 
