@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
+from tifffile import _imagecodecs
 
 import cpm_core as cpm
 from cpm_core import cli
@@ -21,6 +22,7 @@ VALUES[8:20, 8:20] = 200
 def bare(monkeypatch):
     for package in ("ezdxf", "imagecodecs", "matplotlib"):
         monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.setattr("tifffile.tifffile.imagecodecs", _imagecodecs)  # it may have imported the other before
 
 
 @pytest.mark.parametrize(("name", "how"), [("a.jp2", {}), ("a.jpg", {}), ("a.png", {}), ("a.tif", {}),
