@@ -58,6 +58,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
                 near = suggest_name(first, _COMMAND_NAMES) or "see cpm --help."
                 return _print_error(f"“{first}” is no command and no file: {near}")
+        option = next((each for each in arguments if each.startswith("-")), "")
+        if option:
+            return _print_error(f"{option} is for a command, which comes first: cpm run {first} {option}.")
         if len(arguments) > 1:
             return _print_error(f"The window opens one image but {len(arguments)} were given; see cpm --help.")
         return _open_window(arguments[0] if arguments else None)

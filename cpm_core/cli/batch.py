@@ -21,6 +21,7 @@ from cpm_core.formats import (
     FORMATS_BY_NAME,
     VOLUMES_WRITABLE,
     choose_file_name,
+    find_format,
     find_named_suffix,
 )
 from cpm_core.formats.common.atomic import append_bytes, draft_files, remove_abandoned_drafts, write_together
@@ -95,6 +96,7 @@ def run_batch(arguments: argparse.Namespace) -> int:
         if suffix not in writable:
             choice = format_choice(suffix, (*FORMATS_BY_NAME, *writable))
             raise ValueError(f"--export is {quote_value(suffix)} but must be {choice}")
+        find_format(suffix)
     if not select_starts(session.shapes):
         raise ValueError(f"{source} has no start: draw one, or start everywhere, and save it again.")
     output = Path(arguments.output)
@@ -174,11 +176,12 @@ def _list_plan(batch: Batch, arguments: argparse.Namespace) -> int:
         print_json(arguments.name, {"plan": images, "done_before": len(batch.rows)})
         return 0
     for job in batch.jobs:
-        files = ", ".join(f"{file}{' (exists)' if file.exists() else ''}" for file, _ in job.files)
-        print(make_printable(f"{job.row.image}: would write {files}"))
-    tables = ", ".join(str(Path(arguments.output) / name) for name in batch.table_names)
-    before = f"; {len(batch.rows)} done before" if batch.rows else ""
-    print(make_printable(f"{format_count(len(images), 'image')} to do{before}; would write {tables}"))
+        files = ", ".join(f"{file.name}{' (exists)' if file.exists() else ''}" for file, _ in job.files)
+        print(make_printable(f"{job.row.image}: {files}"))
+    tables = " and ".join(batch.table_names)
+    before = f", {len(batch.rows)} done before" if batch.rows else ""
+    count = format_count(len(images), "image")
+    print(make_printable(f"{count} to do{before}; would write these files, {tables} in {arguments.output}"))
     return 0
 
 

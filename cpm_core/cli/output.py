@@ -58,6 +58,8 @@ def direct_output(exports: list[str], *, quiet: bool, as_json: bool) -> Iterator
     for one with JSON.
     """
     named = [at for at, path in enumerate(exports) if os.path.splitext(path)[0] == STANDARD_STREAM]  # noqa: PTH122
+    if STANDARD_STREAM in exports:
+        raise ValueError("- alone names no format: add a suffix, such as -.csv.")
     if len(named) + (as_json and bool(named)) > 1:
         raise ValueError("Standard output can take one file, without --json: write the others to files of their own.")
     before = _QUIET.set(quiet)

@@ -77,7 +77,7 @@ def run_skeleton(arguments: argparse.Namespace) -> int:
     for path in arguments.export if volume else ():
         if find_format_suffix(path) not in CENTERLINES_WRITABLE:
             raise ValueError(
-                f"{path} cannot contain center lines in a volume: end its name in {', '.join(CENTERLINES_WRITABLE)}."
+                f"{path} cannot contain center lines in a volume, which --volume and a .swc file ask for: leave it out."
             )
     load = load_volume if volume else load_image
     image = load(arguments.image, **part)

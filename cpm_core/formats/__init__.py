@@ -91,6 +91,7 @@ from cpm_core.formats.writers import count_left_out as count_left_out
 from cpm_core.formats.writers import encode_descriptions as encode_descriptions
 from cpm_core.formats.writers import encode_files as encode_files
 from cpm_core.formats.writers import export as export
+from cpm_core.formats.writers import find_format as find_format
 from cpm_core.formats.writers import find_format_suffix as find_format_suffix
 from cpm_core.formats.writers import find_named_suffix as find_named_suffix
 from cpm_core.formats.writers import to_bytes as to_bytes

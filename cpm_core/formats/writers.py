@@ -41,6 +41,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.surface import Surface
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.packages import require_package
 from cpm_core.numerics.types import JsonDict, Texts, copy_with, frozen
 from cpm_core.parameters.formatting import format_choice, format_count, quote_value
 from cpm_core.results.result import Result
@@ -64,6 +65,8 @@ class Format:
     options : tuple of str
         Options that `encode` takes: ``outlines`` for masks, ``space`` for files in patient coordinates, ``image`` for
         the file of the image.
+    package : str
+        Package that writing needs beyond those of the program, or empty.
     """
 
     suffix: str
@@ -73,6 +76,7 @@ class Format:
     volume: str = ""
     lines: str = ""
     options: Texts = ()
+    package: str = ""
 
 
 _FIGURE_TEXT = "a figure of the image with {} and a scale bar, "
@@ -158,12 +162,17 @@ FILE_FORMATS: tuple[Format, ...] = (
         dicom_seg.encode_dicom_seg,
         volume="the objects inside a surface as segments in a DICOM series",
         options=("image",),
+        package="highdicom",
     ),
-    Format(".dxf", dxf.encode_dxf, "contours as polylines for CAD", "branches as polylines for CAD"),
+    Format(".dxf", dxf.encode_dxf, "contours as polylines for CAD", "branches as polylines for CAD", package="ezdxf"),
     Format(".png", labels.encode_label_png, _INSIDES_TEXT, _BRANCHES_TEXT, options=("outlines",)),
     *(
         Format(
-            f".figure{suffix}", partial(figure.encode_figure, suffix), text.format("contours"), text.format("branches")
+            f".figure{suffix}",
+            partial(figure.encode_figure, suffix),
+            text.format("contours"),
+            text.format("branches"),
+            package="matplotlib",
         )
         for suffix, text in _FIGURE_TEXTS.items()
     ),
@@ -441,12 +450,7 @@ def to_bytes(
     >>> cpm.to_bytes(result, ".svg")[:5]
     b'<?xml'
     """
-    file_format = next((one for one in FILE_FORMATS if isinstance(suffix, str) and one.suffix == suffix), None)
-    if file_format is None:
-        raise ValueError(
-            f"{quote_value(suffix)} names no format that can be written: "
-            f"choose {format_choice(suffix, _FORMAT_SUFFIXES)}"
-        )
+    file_format = find_format(suffix)
     found = as_result(result, image if isinstance(image, Image) else None)
     _check_extent(result, image, suffix)
     if isinstance(found, Skeleton) and found.lines is not None:
@@ -469,6 +473,19 @@ def to_bytes(
         found = copy_with(found, contours=contours, source=make_printable(found.source))
     options: JsonDict = {"outlines": outlines, "space": space, "image": _path_of(image)}
     return file_format.encode(found, **{name: options[name] for name in file_format.options})
+
+
+def find_format(suffix: str) -> Format:
+    """Return the format of a suffix; ValueError where there is none, or its package is not installed."""
+    found = next((one for one in FILE_FORMATS if isinstance(suffix, str) and one.suffix == suffix), None)
+    if found is None:
+        raise ValueError(
+            f"{quote_value(suffix)} names no format that can be written: "
+            f"choose {format_choice(suffix, _FORMAT_SUFFIXES)}"
+        )
+    if found.package:
+        require_package(found.package, f"A {suffix} file")
+    return found
 
 
 def find_format_suffix(path: AnyPath) -> str:
@@ -499,6 +516,8 @@ def check_export(path: AnyPath) -> None:
     Raises
     ------
     ValueError
-        When the suffix is not known, the folder does not exist or is not writable, or the path is a folder.
+        When the suffix is not known, its package is not installed, the folder does not exist or is not writable, or the
+        path is a folder.
     """
     check_target(path, _FORMAT_SUFFIXES)
+    find_format(find_format_suffix(path))

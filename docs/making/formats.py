@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from cpm_core.formats import (
     CENTERLINES_WRITABLE,
-    CONTOURS_READABLE,
     CONTOURS_WRITABLE,
-    IMAGES_READABLE,
     SKELETONS_WRITABLE,
-    SURFACES_READABLE,
     VOLUMES_WRITABLE,
 )
 from docs.making.tables import table
@@ -45,15 +42,10 @@ CHECKED: dict[str, str] = {
 """What reads a format in the tests."""
 
 
-def readable() -> str:
-    """Images and volumes that can be read."""
-    return table(("suffix", "what it is"), ((f"`{suffix}`", what) for suffix, what in IMAGES_READABLE.items()))
-
-
 def writable() -> str:
-    """Files that can be written, and from what."""
+    """From what each file is written, and what checks it."""
     lines = []
-    for suffix, what in {**CONTOURS_WRITABLE, **VOLUMES_WRITABLE, **CENTERLINES_WRITABLE, **CONTOURS_WRITABLE}.items():
+    for suffix in {**CONTOURS_WRITABLE, **VOLUMES_WRITABLE, **CENTERLINES_WRITABLE}:
         of = [
             word
             for word, known in (
@@ -62,15 +54,5 @@ def writable() -> str:
             )
             if suffix in known
         ]  # fmt: skip
-        lines.append((f"`{suffix}`", what, ", ".join(of), CHECKED[suffix]))
-    return table(("suffix", "what is written", "of", "checked in the tests by"), lines)
-
-
-def contours_readable() -> str:
-    """Files that contours are read from."""
-    return table(("suffix", "what is read"), ((f"`{suffix}`", what) for suffix, what in CONTOURS_READABLE.items()))
-
-
-def surfaces_readable() -> str:
-    """Files that surfaces are read from."""
-    return table(("suffix", "what is read"), ((f"`{suffix}`", what) for suffix, what in SURFACES_READABLE.items()))
+        lines.append((f"`{suffix}`", ", ".join(of), CHECKED[suffix]))
+    return table(("suffix", "written from", "checked in the tests by"), lines)

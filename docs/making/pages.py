@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from docs.making import command_line, figures, formats, headers, notebooks, parameters, reference, rows
+from docs.making import command_line, figures, formats, headers, notebooks, parameters, reference
 
 ROOT = Path(__file__).parents[2]
 """The folder of the project."""
@@ -15,12 +15,7 @@ ROOT = Path(__file__).parents[2]
 TABLES: Mapping[str, Callable[[], str]] = {
     "parameters": parameters.table,
     "presets": parameters.presets,
-    "readable": formats.readable,
     "writable": formats.writable,
-    "headers": headers.headers,
-    "contours_readable": formats.contours_readable,
-    "surfaces_readable": formats.surfaces_readable,
-    "rows": rows.table,
 }
 """The tables that pages contain, so that they can be read without building the documentation."""
 
@@ -43,9 +38,10 @@ def update_pages() -> None:
 
 
 def make(folder: Path) -> None:
-    """Write the help of the commands, the reference and the notebooks anew, into a folder next to the pages."""
+    """Write the help of the commands, tables of headers, the reference and the notebooks anew, into a folder."""
     shutil.rmtree(folder, ignore_errors=True)
-    for name, text in {"command_line.md": command_line.text(), **reference.pages()}.items():
+    parts = {"command_line.md": command_line.text(), "headers.md": headers.headers()}
+    for name, text in {**parts, **reference.pages()}.items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")

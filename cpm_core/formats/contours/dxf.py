@@ -63,7 +63,6 @@ def encode_dxf(result: Outcome) -> bytes:
     CLOSED and OPEN, named ones on a layer of that name, with underscores for forbidden characters; colors belong to
     the entities. A single vertex is a point. Provenance and image are comments at the beginning.
     """
-    require_package("ezdxf", "A .dxf file")
     import ezdxf
 
     ezdxf.options.write_fixed_meta_data_for_testing = True  # the same result always gives the same bytes

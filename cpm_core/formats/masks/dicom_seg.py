@@ -20,7 +20,6 @@ from cpm_core.formats.masks.labels import find_named_labels, paint_labels
 from cpm_core.formats.masks.nifti import locate_mask
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.surface import Label
-from cpm_core.numerics.packages import require_package
 from cpm_core.results.result import Result
 
 _SEGMENTATION_CLASS = "1.2.840.10008.5.1.4.1.1.66.4"
@@ -48,10 +47,9 @@ _LAB_RANGE = np.array([[0.0, -128.0, -128.0], [100.0, 127.0, 127.0]])
 def encode_dicom_seg(result: Result, image: Path | None = None) -> bytes:
     """Encode the objects of a result as a segmentation of the series in a file or folder, one named segment each.
 
-    Segments are numbered from 1 without gaps, as highdicom requires. ValueError without highdicom, when there is
-    nothing to paint, and when the result does not lie in a DICOM series.
+    Segments are numbered from 1 without gaps, as highdicom requires. ValueError when there is nothing to paint,
+    and when the result does not lie in a DICOM series.
     """
-    require_package("highdicom", "DICOM SEG")
     import highdicom
     import pydicom
     from pydicom.sr.coding import Code

@@ -42,6 +42,7 @@ BAD = [
     (f"run disk.png {CIRCLE} --preset shpae", "did you mean shape?"),
     (f"run disk.png {CIRCLE} --edges vesels", "did you mean vessels?"),
     (f"run disk.png {CIRCLE} --export out.svgg", "did you mean .svg?"),
+    (f"run disk.png {CIRCLE} --export -", "- alone names no format"),
     (f"run disk.png {CIRCLE} --export -.csv -.svg", "Standard output can take one file"),
     (f"run own.cpm --session lost.cpm {CIRCLE}", "own.cpm is a session, and --session names one as well"),
     (f"run disk.png other.png {CIRCLE}", '"other.png" is one argument too many'),
@@ -74,7 +75,7 @@ BAD = [
     ("batch disk.png --session own.cpm --output out --export doc", '".doc"'),
     ("batch disk.png --session own.cpm --output disk.png", "--output"),
     ("batch disk.png --session bones.cpm --output out", "has no start"),
-    ("skeleton ball.npy --volume --export a.svg", "end its name in .swc"),
+    ("skeleton ball.npy --volume --export a.svg", "which --volume and a .swc file ask for"),
     ("compare disk.png", "No start is given"),
     (f"compare disk.png {CIRCLE} --methods gfv", "random_walker: did you mean gvf?"),
     (

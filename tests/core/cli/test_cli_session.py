@@ -99,16 +99,6 @@ def test_a_batch_does_to_each_image_what_a_run_does_and_reports_a_bad_one(comman
     assert rows[0]["contours"] == rows[2]["contours"] == "1"
 
 
-def test_a_batch_tells_json(told, session, disks, tmp_path):
-    batch = ("batch", disks, "--session", session, "--output", tmp_path / "o", "--workers", 1)
-    reported = told(*batch, "--max-steps", 5)
-    assert (reported["done"], reported["failed"]) == (1, 0)
-    (image,) = reported["images"]
-    assert image["steps"] == 5
-    assert {Path(file).suffix for file in image["files"]} == {".svg", ".csv", ".png"}
-    assert all(Path(file).is_file() for file in image["files"])
-
-
 @pytest.mark.long
 def test_an_image_whose_process_dies_is_tried_once_more_and_the_others_go_on(disks, monkeypatch):
     whole, killed = workers.wait, []

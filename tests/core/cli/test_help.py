@@ -45,11 +45,9 @@ def test_a_pattern_that_the_shell_has_left_alone_opens_its_only_image(monkeypatc
 
 def test_folders_and_patterns_stand_for_their_images_in_the_order_of_their_numbers(command, folder):
     for given in (folder, folder / "*.png"):
-        status, out, _ = command("info", given, "--json")
+        out = command("info", given, "--json")[1]
         assert [image["source"] for image in json.loads(out)["images"]] == ["disk2.png", "disk10.png"]
-    status, _, err = command("run", folder / "*.png", *RUN)
-    assert status == 2
-    assert "names 2 images, but only one can be used here" in err
+    assert "names 2 images, but only one can be used here" in command("run", folder / "*.png", *RUN)[2]
 
 
 def test_an_image_that_cannot_be_read_does_not_keep_the_others_back(command, folder, tmp_path):
@@ -82,6 +80,8 @@ def test_a_shell_is_told_what_may_follow(tmp_path):
 
 def test_a_mistyped_word_opens_no_window(monkeypatch, capsys):
     monkeypatch.setattr(program, "_open_window", lambda path: pytest.fail("a window was opened"))
+    assert program.main([__file__, "--objects"]) == 2
+    assert f"--objects is for a command, which comes first: cpm run {__file__}" in capsys.readouterr().err
     assert program.main(["rnu", "x"]) == 2
     assert "“rnu” is no command and no file: did you mean run?" in capsys.readouterr().err
 

@@ -69,10 +69,10 @@ def test_a_dry_run_of_a_batch_lists_what_it_would_write_and_writes_nothing(sessi
     disk, output = session.with_name("disk.png"), tmp_path / "found"
     line = ("batch", disk, "--session", session, "--output", output, "--export", "masks", "--workers", 1)
     status, out, err = command(*line, "--dry-run")
-    assert (status, err) == (0, "") and f"would write {output / 'disk_objects.tif'}\n" in out
+    assert (status, err) == (0, "") and f"{disk}: disk_objects.tif\n" in out
     assert not output.exists()
     assert command(*line)[0] == 0
-    assert "0 images to do; 1 done before" in command(*line, "--dry-run")[1]
+    assert "0 images to do, 1 done before" in command(*line, "--dry-run")[1]
     (plan,) = json.loads(command(*line, "--dry-run", "--again", "--json")[1])["plan"]
     assert plan["overwrites"] == plan["writes"] == [str(output / "disk_objects.tif")]
 

@@ -1,13 +1,18 @@
 """What few files need is not installed by default: one sentence says so when such a file is met."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import PIL.Image
 import pytest
+from tifffile import _imagecodecs
 
 import cpm_core as cpm
+from cpm_core import cli
 from cpm_core.formats import read_contours
+from cpm_core.formats.sessions.session_file import SessionFile, save_session
+from cpm_core.shapes import Everywhere
 
 VALUES = np.zeros((32, 32), np.uint8)
 VALUES[8:20, 8:20] = 200
@@ -17,6 +22,7 @@ VALUES[8:20, 8:20] = 200
 def bare(monkeypatch):
     for package in ("ezdxf", "imagecodecs", "matplotlib"):
         monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.setattr("tifffile.tifffile.imagecodecs", _imagecodecs)  # it may have imported the other before
 
 
 @pytest.mark.parametrize(("name", "how"), [("a.jp2", {}), ("a.jpg", {}), ("a.png", {}), ("a.tif", {}),
@@ -42,6 +48,17 @@ def test_a_sentence_says_what_to_install(tmp_path, package, work):
     result = cpm.segment(VALUES, cpm.circle((14, 14), 9), max_steps=1)
     with pytest.raises(ValueError, match=rf"needs the package {package}, .*: run pip install {package}\."):
         work(result, tmp_path)
+
+
+@pytest.mark.parametrize("line", ["run a.npy --auto grid --export a.svg a.dxf",
+                                  "batch a.npy --session a.cpm --output out --export svg dxf"])  # fmt: skip
+def test_a_command_says_so_before_it_runs(tmp_path, monkeypatch, capsys, line):
+    monkeypatch.chdir(tmp_path)
+    np.save("a.npy", VALUES)
+    save_session(SessionFile(shapes=(Everywhere("grid"),)), Path("a.cpm"))
+    assert cli.main(line.split()) == 2
+    assert "run pip install ezdxf" in capsys.readouterr().err
+    assert not [*tmp_path.rglob("*.svg")]
 
 
 def test_a_notebook_shows_the_line_instead_of_the_picture():

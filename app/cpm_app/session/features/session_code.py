@@ -64,7 +64,7 @@ def write_session_code(
         if text:
             on_written(text)
         else:
-            message = tr("Save the session first: only its file holds all that was drawn.")
+            message = tr("Save the session first: without its file this cannot be repeated.")
             session.messages.show(message, True, EXPORTING_CATEGORY)
 
     session.tasks.start_task(tr("Repeating the session…"), write, tr("repeating the session"), on_result=pass_on)
