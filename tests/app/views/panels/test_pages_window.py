@@ -187,7 +187,8 @@ def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(s
     run_all(stack, hand)
     pages = stack.workspace.pages
     pages._link_pages()  # as after another change
-    pages._on_page_done(pages.source.path, None, Page(2, None, error="no edges"), KeptPage(stack.session.document))
+    failed = Page(2, None, error="no edges")
+    pages._on_page_done(pages.source.path, None, failed, failed, KeptPage(stack.session.document))
     settled(stack, hand)
     assert [page.error for page in pages.result.pages if page.number == 2] == ["no edges"]
 
