@@ -137,9 +137,10 @@ PLOTS = (
 """All plots, from top to bottom."""
 
 _TRACK_COLORS = (
-    _CURVE_ORANGE, _CURVE_BLUE, _CURVE_GREEN, _CURVE_PURPLE, _CURVE_PINK,
-    ("#8a6d00", "#e6d34a"), ("#475569", "#cbd5e1"), ("#7c2d12", "#d6a37c"), ("#0f766e", "#7dd3d8"), ("#4d7c0f", "#a3e635"),
-)  # fmt: skip
+    *(_CURVE_ORANGE, _CURVE_BLUE, _CURVE_GREEN, _CURVE_PURPLE, _CURVE_PINK),
+    *(("#8a6d00", "#e6d34a"), ("#475569", "#cbd5e1"), ("#7c2d12", "#d6a37c"), ("#0f766e", "#7dd3d8")),
+    ("#4d7c0f", "#a3e635"),
+)
 """Colors of the objects that are plotted, none twice."""
 
 _MAX_CURVES = len(_TRACK_COLORS)
@@ -153,6 +154,7 @@ def select_plotted_tracks(rows: Sequence[PageRow], selected: Collection[int]) ->
 
 def build_page_plots(tracks: Sequence[int], area: str, axis: str) -> tuple[Plot, ...]:
     """Build the plots of area, with this title, and mean gray value of tracks over the pages, or times, of a stack."""
+
     def build_curve(title: str, name: Literal["areas", "grays"], track: int) -> PlotCurve:
         words = f"{title} {track}" if track == tracks[0] else str(track)
         return PlotCurve(words, lambda metrics: getattr(metrics, name)[track], _TRACK_COLORS[tracks.index(track)])

@@ -334,9 +334,7 @@ class ObjectSelection(QObject):
 
     def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:
         followed = [
-            each.proposed_object
-            for each in self.proposals
-            if each.key and each.number and each.number == number
+            each.proposed_object for each in self.proposals if each.key and each.number and each.number == number
         ]
 
         def accept_and_select(document: Document) -> Document:
@@ -402,7 +400,8 @@ class ObjectSelection(QObject):
             find, name = partial(follow, partition), tr("Following objects…")
         elif of_run and isinstance(source, Result):
             continues = pages.following and not pages.is_drawn(self._session.document)
-            find, name = partial(find_proposals, source, continues, pages.proposed), tr("Finding the objects of the run…")
+            find = partial(find_proposals, source, continues, pages.proposed)
+            name = tr("Finding the objects of the run…")
         else:
             return ()
         if self._searched is not partition:

@@ -218,8 +218,9 @@ class PagesFeature(Feature):
         self.actions = (
             ActionSpec("run_pages", "Run", "Run all &pages",
                        "Run every page of the stack, one after the other, in the background, or stop that; finished "
-                       "pages are kept. It needs a start; without one the accepted objects are followed.", toggle_run, "Ctrl+Shift+Return", gap=True, visible_when=is_stack,
-                       when=lambda now: pages.running or can_run(now),
+                       "pages are kept. It needs a start; without one the accepted objects are followed.",
+                       toggle_run, "Ctrl+Shift+Return", gap=True, visible_when=is_stack,
+                       when=lambda now: pages.running or (can_run(now) and not followed.running),
                        text_for=lambda _: tr("Stop") if pages.running else tr("Run all &pages")),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all pages after it, one after the other, in the background.",
