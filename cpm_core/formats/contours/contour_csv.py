@@ -225,8 +225,9 @@ def encode_page_vertices(found: StackResult) -> bytes:
     """Tabulate the vertices of the contours on all pages of a stack, one per row.
 
     Columns: ``page`` (from 1), ``time_s`` (since the first page, where the file states it), ``track`` (number that an
-    object keeps from page to page), ``parent`` (track that it split off), ``begin`` and ``end`` (how it comes into being
-    and to its end), and those of `encode_vertices` except ``contour``; ``label`` is the label in the label stack: the track, or 0 when open.
+    object keeps from page to page), ``parent`` (track that it split off), ``begin`` and ``end`` (how it comes into
+    being and to its end), and those of `encode_vertices` except ``contour``; ``label`` is the label in the label
+    stack: the track, or 0 when open.
     """
     return encode_csv_rows(_build_page_rows(found, _build_vertex_rows), ("page", "track"))
 
@@ -236,7 +237,8 @@ def encode_page_measures(found: StackResult) -> bytes:
 
     Columns: ``page``, ``time_s``, ``track``, ``parent``, ``begin``, ``end``, ``centroid_row`` and ``centroid_col``
     (centroid of the enclosed area, or of the line of an open contour [px]), and those of `encode_measures` except
-    ``contour``, with ``mean_gray``; ``label`` is the label in the label stack, and ``inside`` the track of the contour around it.
+    ``contour``, with ``mean_gray``; ``label`` is the label in the label stack, and ``inside`` the track of the
+    contour around it.
     """
 
     def build_rows_with_centroids(result: Outcome) -> list[Row]:
