@@ -61,7 +61,8 @@ def run_pages(request: RunRequest) -> int:
         runs = follow_objects(pages, segment_page, positive, negative, numbers, request.model)
     else:
         fresh = not request.follows_pages
-        runs = follow_pages(pages, compute_page_seeds, parameters, numbers=numbers, fresh=fresh, **limits)
+        how: JsonDict = {"numbers": numbers, "fresh": fresh, "objects": request.all_objects}
+        runs = follow_pages(pages, compute_page_seeds, parameters, **how, **limits)
     interrupted, files = False, OutputFiles()
     try:
         with StatusLine() as line:
@@ -73,7 +74,8 @@ def run_pages(request: RunRequest) -> int:
     except KeyboardInterrupt:
         interrupted = True
     drawn = (*describe_shapes(shapes), *request.describe_start_files())
-    whole = StackResult(pages.name, len(pages), tuple(found), pages.axis, pages.has_single_axis, drawn)
+    about = pages.axis, pages.has_single_axis, drawn, pages.interval
+    whole = StackResult(pages.name, len(pages), tuple(found), *about)
     if interrupted and not (whole.results and request.exports):
         raise KeyboardInterrupt
     if not whole.results:
@@ -114,7 +116,9 @@ def _print_page_report(as_json: bool, found: StackResult, files: OutputFiles, se
         facts: JsonDict = {}
         if page.result is not None:
             facts = collect_run_facts(page.result)
-            lines.append(f"page {page.number}: {describe_contour_count(page.result)}")
+            objects = len({one.group for one in page.contours if one.group})
+            count = format_count(objects, "object") if objects else describe_contour_count(page.result)
+            lines.append(f"page {page.number}: {count}")
         events = [event.sentence for event in page.events]
         said += events
         plain.append({"page": page.number, **facts, "events": events, "trouble": page.error})

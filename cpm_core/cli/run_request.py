@@ -185,7 +185,7 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
         raise ValueError("--model is given without --object: name a position inside the object as well.")
     check_model(arguments.model, 3 if is_volume else 2)
     if arguments.objects:
-        refuse_options(arguments, ("object", "pages"), "one object, or a stack, but --objects finds those of a run")
+        refuse_options(arguments, ("object",), "one object, but --objects finds those of a run")
     preset = arguments.preset or ("volume" if is_volume and not arguments.session else None)
     part = parse_part(arguments, volume=is_volume)
     parameters = parse_parameters(arguments, PRESETS[preset] if preset else session.parameters)

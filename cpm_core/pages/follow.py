@@ -9,16 +9,19 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cpm_core.contours.contour import Contours
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import max_scales
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Extent, JsonDict
+from cpm_core.objects.segmented import object_label
 from cpm_core.pages.page import Page, strip_image
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters, choose_parameters
 from cpm_core.parameters.formatting import quote_value
+from cpm_core.results import find_objects, replace_by_objects
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes import Start, collect_seeds, starts_from_contours
@@ -34,6 +37,7 @@ def follow_pages(
     *,
     numbers: Sequence[int] | None = None,
     fresh: bool = False,
+    objects: bool = False,
     max_steps: int | None = None,
     regions: AnyRegions | None = None,
     charges: Sequence[PlacedCharge] = (),
@@ -53,6 +57,8 @@ def follow_pages(
         Which pages, from 1, in the order in which they are followed; all by default.
     fresh : bool
         Whether each page starts from `seeds` rather than from the contours of the last page that has any.
+    objects : bool
+        Whether the objects that the run of each page proposes are followed, each once, rather than its contours.
     max_steps, regions, charges, progress
         As for `segment`, on every page.
 
@@ -90,8 +96,9 @@ def follow_pages(
         for number in wanted:
             try:
                 image = as_plane(pages[number - 1])
+                continues = bool(follower.next_starts) and not fresh
                 start = seeds(image) if callable(seeds) else seeds
-                if follower.next_starts and not fresh:
+                if continues:
                     start = collect_seeds(follower.next_starts)
                 chosen = limit_scales(given, image.shape)
                 limits: JsonDict = {"max_steps": max_steps, "regions": regions, "charges": charges}
@@ -99,7 +106,7 @@ def follow_pages(
             except (ValueError, MemoryError) as error:
                 yield Page(number, None, error=describe_error(error))
             else:
-                yield follower.add_page(number, found)
+                yield follower.add_objects(number, found, continues) if objects else follower.add_page(number, found)
 
     return iterate_pages()
 
@@ -112,30 +119,52 @@ def _is_sequence(given: object) -> TypeGuard[Sequence[Any]]:
 class PageFollower:
     """Follows what is found from page to page: its tracks, and where the next page starts."""
 
-    def __init__(self, known: Sequence[Page] = ()) -> None:
-        """Continue after the pages `known`, which have been followed before."""
+    def __init__(self, known: Sequence[Page] = (), taken: int = 0) -> None:
+        """Continue after the pages `known`, which have been followed before; new tracks are above those `taken`."""
         self._last = next((page.contours for page in reversed(known) if page.contours), ())
-        tracks = max((contour.number for page in known for contour in page.contours), default=0)
-        self._tracker = Tracker(self._last, tracks)
+        tracks = max((taken, *(contour.number for page in known for contour in page.contours)))
+        self._tracker = Tracker(_select_outlines(self._last), tracks)
 
     @property
     def next_starts(self) -> tuple[Start, ...]:
         """Where the next page starts: along the contours of the last page that has any."""
         return starts_from_contours(self._last)
 
-    def add_page(self, number: int, found: Result) -> Page:
+    def add_page(self, number: int, found: Result, *, numbered: bool = True) -> Page:
         """Add the next page, with what was found on it; the numbers of its contours are their tracks.
 
-        Objects, whose contours have their number as the group, keep it, and are followed by their outer contours.
+        Objects are followed by their outer contours. Their number is the group of their contours, and they keep it if
+        they are `numbered`; else it becomes that of their track.
         """
         light = strip_image(found)
-        objects = {one.group: one for one in sorted(light.contours, key=lambda one: one.area) if one.group}
-        followed = tuple(objects.values()) or light.contours
+        outlines = _select_outlines(light.contours)
+        followed = outlines if numbered else tuple(replace(one, group=0) for one in outlines)
         contours, events = self._tracker.assign_tracks(number, followed, light.shape)
-        if objects:
-            contours = tuple(replace(one, number=one.group) for one in light.contours)
+        tracks = {one.group: known.number for one, known in zip(outlines, contours, strict=True) if one.group}
+        if tracks:
+            named = ((one, tracks[one.group]) for one in light.contours)
+            contours = tuple(replace(one, number=track, group=track) for one, track in named)
         self._last = contours or self._last
         return Page(number, replace(light, contours=contours), events)
+
+    def add_objects(self, number: int, run: Result, continues: bool) -> Page:
+        """Add the next page, with the objects that its run proposes; the page after it starts from its contours.
+
+        A run `continues` if it began along the contours of the page before.
+        """
+        start = strip_image(run).contours or self._last
+        chosen = replace_by_objects(run, find_objects(run, continues=continues))
+        found = replace(run, contours=chosen.contours, bridges=chosen.bridges, provenance=chosen.provenance)
+        page = self.add_page(number, found, numbered=False)
+        self._last = start
+        contours = tuple(replace(one, name=object_label(one.number)) for one in page.contours)
+        return replace(page, result=page.result and replace(page.result, contours=contours))
+
+
+def _select_outlines(contours: Contours) -> Contours:
+    """Select the outer contour of each object; contours of no object are left as they are."""
+    outer = {one.group: one for one in sorted(contours, key=lambda one: one.area) if one.group}
+    return tuple(outer[group] for group in sorted(outer)) or contours
 
 
 def limit_scales(parameters: Parameters, shape: Extent) -> Parameters:

@@ -80,6 +80,8 @@ class StackResult:
         Whether the stack has no further axis.
     drawn : tuple of mapping
         The shapes drawn before the first page, as session files hold them.
+    interval : float or None
+        Time from page to page [s], if it is known.
     """
 
     source: str
@@ -88,6 +90,11 @@ class StackResult:
     axis: Literal["z", "t", "c"] = "z"
     alone: bool = True
     drawn: tuple[JsonObject, ...] = ()
+    interval: float | None = None
+
+    def time_of(self, page: int) -> float | None:
+        """Return the time of a page since the first one of the stack [s], if it is known."""
+        return None if self.interval is None else round((page - 1) * self.interval, _MEASURE_DECIMALS)
 
     @property
     def results(self) -> tuple[tuple[int, Result], ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Protocol
 
 import numpy as np
@@ -19,7 +19,7 @@ from cpm_core.model.volume.starts import seeds_at_centers, volume_edge_strength
 from cpm_core.numerics.grids import label_joined_pairs, running_maximum
 from cpm_core.numerics.types import Array, Arrays, Callback, Sides
 from cpm_core.objects.all_bodies import find_bodies_everywhere, rate_body
-from cpm_core.objects.all_objects import find_objects_everywhere
+from cpm_core.objects.all_objects import build_proposal, find_objects_everywhere
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
@@ -52,6 +52,9 @@ _NEAREST_SEEDS = 8
 _SAME_OBJECT_OVERLAP = 0.5
 """Overlap (intersection over union) from which the objects of two pieces of a start are the same."""
 
+_MAX_TAKEN_SEEDS = 0.2
+"""Largest share of the seeds of a piece in objects that contours enclose, if its own object is sought elsewhere."""
+
 _MAX_BODY_POINTS = 20
 """Largest number of seeds in a body that are its positive points."""
 
@@ -68,7 +71,7 @@ class RunOutcome(FoundInImage, Protocol):
         """Origin of what was found."""
 
 
-def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObjects:
+def find_objects(result: RunOutcome, check: Callback = lambda: None, *, continues: bool = False) -> FoundObjects:
     """Find the objects that a run proposes, the best first.
 
     A run from everywhere proposes all objects of the image, or all bodies inside the surface, split at necks. One from
@@ -80,6 +83,9 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObj
         Outcome of the run; without seeds, of one from everywhere.
     check : callable
         Called from time to time; it may raise to end the search.
+    continues : bool
+        Whether the run in an image began along the contours of another one, whose objects may have divided or united:
+        then what its contours enclose is proposed first.
 
     Returns
     -------
@@ -99,7 +105,8 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None) -> FoundObj
     partition = Partition.from_result(result)
     if not pieces:
         return tuple(find_objects_everywhere(partition, check))
-    return tuple(sorted(_find_started_objects(partition, pieces, check), key=lambda one: -one.confidence))
+    find = _find_continued_objects if continues else _find_started_objects
+    return tuple(sorted(find(partition, pieces, check), key=lambda one: -one.confidence))
 
 
 def is_likely(found: Selection) -> bool:
@@ -169,7 +176,7 @@ def split_seeds(seeds: Array, sides: Sides) -> Arrays:
     return tuple(seeds[piece == piece[at]] for at in np.sort(first))
 
 
-def _find_started_objects(partition: Partition, pieces: Arrays, check: Callback) -> Iterator[Selection]:
+def _find_started_objects(partition: Partition, pieces: Iterable[Array], check: Callback) -> Iterator[Selection]:
     """Find the object of each piece of a start, shape (N, 2) [px]; nothing where there is none, or no other one."""
     found: list[Selection] = []
     for piece in pieces:
@@ -179,6 +186,19 @@ def _find_started_objects(partition: Partition, pieces: Arrays, check: Callback)
             continue  # as from a start across an edge
         if all(one.region.compute_iou(other.region) <= _SAME_OBJECT_OVERLAP for other in found):
             found.append(one)
+            yield one
+
+
+def _find_continued_objects(partition: Partition, pieces: Arrays, check: Callback) -> Iterator[Selection]:
+    """Find what contours enclose unambiguously, and elsewhere the object of each piece of a start, (N, 2) [px]."""
+    taken = np.zeros(partition.shape, bool)
+    for mask in partition.find_unambiguous_objects():
+        check()
+        taken |= mask
+        yield build_proposal(partition, mask, unambiguous=True)
+    left = [each for each in pieces if taken[tuple(np.rint(each).astype(int).T)].mean() <= _MAX_TAKEN_SEEDS]
+    for one in _find_started_objects(partition, left, check):
+        if taken[one.region.window][one.region.mask].mean() <= _SAME_OBJECT_OVERLAP:
             yield one
 
 

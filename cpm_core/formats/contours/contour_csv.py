@@ -224,9 +224,10 @@ def _name_object(known: Contour | Label | None) -> Row:
 def encode_page_vertices(found: StackResult) -> bytes:
     """Tabulate the vertices of the contours on all pages of a stack, one per row.
 
-    Columns: ``page`` (from 1), ``track`` (number that an object keeps from page to page), ``parent`` (track that it
-    split off), ``begin`` and ``end`` (how it comes into being and to its end), and those of `encode_vertices` except
-    ``contour``; ``label`` is the label in the label stack: the track, or 0 when open.
+    Columns: ``page`` (from 1), ``time_s`` (since the first page, where the file states it), ``track`` (number that an
+    object keeps from page to page), ``parent`` (track that it split off), ``begin`` and ``end`` (how it comes into
+    being and to its end), and those of `encode_vertices` except ``contour``; ``label`` is the label in the label
+    stack: the track, or 0 when open.
     """
     return encode_csv_rows(_build_page_rows(found, _build_vertex_rows), ("page", "track"))
 
@@ -234,9 +235,10 @@ def encode_page_vertices(found: StackResult) -> bytes:
 def encode_page_measures(found: StackResult) -> bytes:
     """Tabulate the measures of the contours on all pages of a stack, one contour per row.
 
-    Columns: ``page``, ``track``, ``parent``, ``begin``, ``end``, ``centroid_row`` and ``centroid_col`` (centroid of the
-    enclosed area, or of the line of an open contour [px]), and those of `encode_measures` except ``contour``, with
-    ``mean_gray``; ``label`` is the label in the label stack, and ``inside`` the track of the contour around it.
+    Columns: ``page``, ``time_s``, ``track``, ``parent``, ``begin``, ``end``, ``centroid_row`` and ``centroid_col``
+    (centroid of the enclosed area, or of the line of an open contour [px]), and those of `encode_measures` except
+    ``contour``, with ``mean_gray``; ``label`` is the label in the label stack, and ``inside`` the track of the
+    contour around it.
     """
 
     def build_rows_with_centroids(result: Outcome) -> list[Row]:
@@ -259,7 +261,8 @@ def _build_page_rows(found: StackResult, build_rows: Callable[[Outcome], list[Ro
             track = tracks[number]
             end = "" if track.end is None else " into ".join(map(str, (track.end.kind, *track.end.others)))
             life: Row = {"parent": track.origin or "", "begin": track.begin or "", "end": end}
-            rows.append({"page": page, "track": number} | life | row | {"label": number if row["label"] else 0})
+            place: Row = {"page": page} | ({} if found.interval is None else {"time_s": found.time_of(page)})
+            rows.append(place | {"track": number} | life | row | {"label": number if row["label"] else 0})
     return rows
 
 

@@ -269,6 +269,7 @@ def load_pages(
         axis,
         sum(length > 1 for length in (stack.shape[0], stack.times, stack.channels)) < 2,
         sha256,
+        stack.interval if axis == "t" else None,
     )
 
 

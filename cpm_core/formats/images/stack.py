@@ -80,6 +80,8 @@ class Stack:
         Whether the first channels are red, green and blue, which are read together unless a channel is chosen.
     levels : MultiscaleImage or None
         All resolutions of an image that is read in parts; None for other images.
+    interval : float or None
+        Time between two points in time [s], if the file states it.
     """
 
     name: str
@@ -102,6 +104,7 @@ class Stack:
     hounsfield: bool | None = None
     has_colors: bool = False
     levels: MultiscaleImage | None = None
+    interval: float | None = None
 
     @property
     def default_plane(self) -> int:
@@ -346,6 +349,8 @@ class Pages(Sequence[Image]):
         Whether the file has no further axis, along which one part is selected.
     sha256 : str
         Hash of the file.
+    interval : float or None
+        Time from page to page [s], if they are points in time and the file states it.
     """
 
     name: str
@@ -355,6 +360,7 @@ class Pages(Sequence[Image]):
     axis: PageAxis = "z"
     has_single_axis: bool = True
     sha256: str = ""
+    interval: float | None = None
 
     def __len__(self) -> int:
         return self.length

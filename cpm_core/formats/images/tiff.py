@@ -42,6 +42,9 @@ FILE_KINDS = {
     **dict.fromkeys((".svs", ".ndpi", ".scn"), "whole slide"),
 }
 
+_SECONDS = {"ns": 1e-9, "µs": 1e-6, "ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+"""Seconds in a unit of time."""
+
 _TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 """First bytes of TIFF and BigTIFF of either byte order."""
 
@@ -98,6 +101,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         if keyframe.compression not in _UNPACKED_BY_PYTHON:
             require_package("imagecodecs", name)
         depth, (row, col), unit = _read_voxel_size(file, keyframe, number)
+        interval = _read_interval(file, number)
         if keyframe.imagelength * keyframe.imagewidth > MAXIMUM_PIXELS and _color_kind(keyframe) in _SLIDE_COLORS:
             place = (depth or row, row, col), unit, names, number
             return stack_from_levels(_open_levels(path, name, series, place))
@@ -143,6 +147,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         series_number=number,
         has_plane_spacing=depth is not None,
         has_colors=has_colors,
+        interval=interval,
     )
 
 
@@ -354,6 +359,15 @@ def _read_voxel_size(
     (depth, *sides), named = resolution.spacing_from_sizes(sizes, units)
     stated = sizes[0] > 0.0 and (named, *sides) == (unit, row, col)
     return depth if stated else None, (row, col), unit
+
+
+def _read_interval(file: tifffile.TiffFile, series: int) -> float | None:
+    """Read the time between two points in time [s], from OME or ImageJ; None where it is not given."""
+    given, unit = (file.imagej_metadata or {}).get("finterval"), "s"
+    if file.ome_metadata:
+        entries = _find_ome_pixels(file.ome_metadata, series)
+        given, unit = entries.get("TimeIncrement"), entries.get("TimeIncrementUnit", "s")
+    return _parse_size(given) * _SECONDS.get(unit, 0.0) or None
 
 
 def _find_ome_pixels(description: str, number: int) -> Mapping[str, str]:

@@ -1,5 +1,6 @@
 """``cpm run STACK --pages``: all pages from the command line."""
 
+import csv
 import json
 
 import numpy as np
@@ -86,3 +87,15 @@ def test_an_object_is_followed_by_a_place_on_the_first_page(command, tmp_path):
     rows = (tmp_path / "a.measures.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) == 8
     assert {"page", "track", "centroid_row", "net_area_px2", "mean_gray"} <= set(rows[0].split(","))
+
+
+def test_the_objects_of_each_page_are_followed_over_the_time_that_the_file_states(command, tmp_path):
+    about = {"axes": "TYX", "finterval": 60.0}
+    tifffile.imwrite(tmp_path / "cells.tif", np.array(MOVING[:3]).astype(np.uint8), imagej=True, metadata=about)
+    table = tmp_path / "a.measures.csv"
+    status, out, _ = command("run", tmp_path / "cells.tif", "--pages", "all", "--objects", "--export", table)
+    assert status == 0
+    assert out.count("1 object\n") == 3
+    rows = list(csv.DictReader(table.read_text(encoding="utf-8").splitlines()))
+    assert [(row["page"], row["time_s"], row["track"]) for row in rows] == [("1", "0.0", "1"), ("2", "60.0", "1"),
+                                                                           ("3", "120.0", "1")]  # fmt: skip

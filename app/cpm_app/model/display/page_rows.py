@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_core import Page, measure
 from cpm_core.contours import Measures, compute_centroid
@@ -33,6 +35,8 @@ class PageRow:
         Whether it is an object that has been accepted.
     index : int
         Index of the contour on its page.
+    time : float or None
+        Time since the first page [s].
     row, col : float
         Its center [px].
     gray : float or None
@@ -50,12 +54,14 @@ class PageRow:
     event: str
     is_object: bool = False
     index: int = 0
+    time: float | None = None
 
 
 def collect_page_rows(found: StackResult) -> tuple[PageRow, ...]:
     """Build the rows of all pages, in their order."""
     tracks = {track.number: track for track in found.tracks}
-    return tuple(row for page in found.pages for row in _build_rows_of_page(page, tracks))
+    rows = (row for page in found.pages for row in _build_rows_of_page(page, tracks))
+    return tuple(replace(row, time=found.time_of(row.page)) for row in rows)
 
 
 def _build_rows_of_page(page: Page, tracks: dict[int, Track]) -> list[PageRow]:

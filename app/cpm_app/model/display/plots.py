@@ -60,15 +60,22 @@ class PageMetrics:
     grays: Mapping[int, Array]
 
     @classmethod
-    def from_rows(cls, rows: Sequence[PageRow], count: int, open_page: int, factor: float) -> PageMetrics:
-        """Collect the metrics of a table of `count` pages; `factor` converts lengths from the unit of the image."""
+    def from_rows(
+        cls, rows: Sequence[PageRow], count: int, open_page: int, factor: float, interval: float | None = None
+    ) -> PageMetrics:
+        """Collect the metrics of a table of `count` pages; `factor` converts lengths from the unit of the image.
+
+        Where the `interval` of the pages [s] is known, they are over the time.
+        """
         areas: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
         grays: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
         for row in rows:
             if row.measures is not None and row.measures.closed:
                 areas[row.track][row.page - 1] = row.measures.net_area_in_units * factor**2
                 grays[row.track][row.page - 1] = np.nan if row.gray is None else row.gray
-        return cls(np.arange(1.0, count + 1.0), np.array([float(open_page)]), areas, grays)
+        first, step = (1.0, 1.0) if interval is None else (0.0, interval)
+        places = first + step * np.arange(count)
+        return cls(places, places[open_page - 1 : open_page], areas, grays)
 
 
 Metrics = RunMetrics | PageMetrics
@@ -86,13 +93,14 @@ class PlotCurve:
 
 @frozen
 class Plot:
-    """Curves on one axis, what they mean, and a value at which a line is drawn; values of `points` are marked."""
+    """Curves over one `axis`, what they mean, and a value where a line is drawn; values of `points` are marked."""
 
     tip: str
     curves: tuple[PlotCurve, ...]
     kind: Literal["logarithmic", "from zero", "free"] = "from zero"
     line: float | None = None
     points: bool = False
+    axis: str = ""
 
 
 # Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
@@ -128,7 +136,14 @@ PLOTS = (
 )
 """All plots, from top to bottom."""
 
-_MAX_CURVES = 10
+_TRACK_COLORS = (
+    *(_CURVE_ORANGE, _CURVE_BLUE, _CURVE_GREEN, _CURVE_PURPLE, _CURVE_PINK),
+    *(("#8a6d00", "#e6d34a"), ("#475569", "#cbd5e1"), ("#7c2d12", "#d6a37c"), ("#0f766e", "#7dd3d8")),
+    ("#4d7c0f", "#a3e635"),
+)
+"""Colors of the objects that are plotted, none twice."""
+
+_MAX_CURVES = len(_TRACK_COLORS)
 """Largest number of objects that are plotted; the user selects them in the table."""
 
 
@@ -137,16 +152,15 @@ def select_plotted_tracks(rows: Sequence[PageRow], selected: Collection[int]) ->
     return tuple(sorted(selected or {row.track for row in rows if row.track})[:_MAX_CURVES])
 
 
-def build_page_plots(tracks: Sequence[int], area: str) -> tuple[Plot, ...]:
-    """Build the plots of area, with this title, and mean gray value of tracks over the pages of a stack."""
-    hues = (_CURVE_BLUE, _CURVE_ORANGE, _CURVE_GREEN, _CURVE_PURPLE, _CURVE_PINK)
+def build_page_plots(tracks: Sequence[int], area: str, axis: str) -> tuple[Plot, ...]:
+    """Build the plots of area, with this title, and mean gray value of tracks over the pages, or times, of a stack."""
 
     def build_curve(title: str, name: Literal["areas", "grays"], track: int) -> PlotCurve:
         words = f"{title} {track}" if track == tracks[0] else str(track)
-        return PlotCurve(words, lambda metrics: getattr(metrics, name)[track], hues[track % len(hues)])
+        return PlotCurve(words, lambda metrics: getattr(metrics, name)[track], _TRACK_COLORS[tracks.index(track)])
 
     gray = tr("Mean gray")
     return (
         Plot("", tuple(build_curve(area, "areas", track) for track in tracks), points=True),
-        Plot("", tuple(build_curve(gray, "grays", track) for track in tracks), "free", points=True),
+        Plot("", tuple(build_curve(gray, "grays", track) for track in tracks), "free", points=True, axis=axis),
     )

@@ -216,7 +216,7 @@ def link_pages(
     if not pages:
         return LinkedPages(source, found, EMPTY_TABLE)
     name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.has_single_axis
-    whole = StackResult(name, source.count, tuple(pages), axis, alone, drawn)
+    whole = StackResult(name, source.count, tuple(pages), axis, alone, drawn, source.pages.interval)
     return LinkedPages(source, found, (whole, collect_page_rows(whole)))
 
 
@@ -371,17 +371,20 @@ def run_pages(
     numbers: Sequence[int],
     document_of: Callable[[int, tuple[Start, ...]], tuple[Document, tuple[Start, ...]]],
     before: Sequence[Page],
+    proposed: PageFollower,
     task: BackgroundTask,
-) -> Iterator[tuple[Page, KeptPage]]:
-    """Run pages, and yield what was found on each; raise `Cancelled` if the task has been cancelled.
+) -> Iterator[tuple[Page, Page, KeptPage]]:
+    """Run pages, and yield contours and objects of each; raise `Cancelled` if the task has been cancelled.
 
     `document_of` takes the number of a page and the starts along the contours of the previous page; it returns the
     document to run the page with, and the starts that were given. `before` are the pages before the first one.
+    `proposed` follows the accepted objects of a page, else those that its run proposes.
     """
     follower = PageFollower(before)
     for place, number in enumerate(numbers):
         task.advance(place / len(numbers))
-        document, given = document_of(number, follower.next_starts)
+        known = follower.next_starts
+        document, given = document_of(number, known)
         try:
             image = source.pages[number - 1]
             reference = ImageReference.from_image(Path(source.path), image, source.reading_for(number))
@@ -391,7 +394,11 @@ def run_pages(
             raise
         except Exception as error:  # one page must not end the others
             trouble = explain_failure(error, tr("running page {number}", number=number))
-            yield Page(number, None, error=trouble), KeptPage(document, given_starts=given)
+            failed = Page(number, None, error=trouble)
+            yield failed, failed, KeptPage(document, given_starts=given)
             continue
         done = KeptPage(document, runs, given_starts=given, runs_unsaved=True)
-        yield follower.add_page(number, result), done
+        own = build_objects_result(document)
+        continues = bool(known) and given == known
+        objects = proposed.add_objects(number, result, continues) if own is None else proposed.add_page(number, own)
+        yield follower.add_page(number, result), objects, done

@@ -334,9 +334,7 @@ class ObjectSelection(QObject):
 
     def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:
         followed = [
-            each.proposed_object
-            for each in self.proposals
-            if each.number == number and each.followed_object is not None
+            each.proposed_object for each in self.proposals if each.key and each.number and each.number == number
         ]
 
         def accept_and_select(document: Document) -> Document:
@@ -378,13 +376,12 @@ class ObjectSelection(QObject):
     def _offers_run(self) -> bool:
         """Whether the objects of the run are offered, because it has ended with a result.
 
-        On a large image, or if the starts come from the previous page, they are not unless the tool for objects is in
-        use.
+        On a large image they are not unless the tool for objects is in use.
         """
-        document, result = self._session.document, self._session.scene.result
+        result = self._session.scene.result
         if result is None or not result.stop_reason:
             return False
-        return self._in_use or (math.prod(result.shape) <= MAX_OFFERED_PIXELS and self._pages.is_drawn(document))
+        return self._in_use or math.prod(result.shape) <= MAX_OFFERED_PIXELS
 
     def _on_scene_changed(self) -> None:
         """Offer the objects of a run once it has ended, but none of one that has been reset or continues."""
@@ -398,10 +395,13 @@ class ObjectSelection(QObject):
         """Return the objects of the previous page, or what the run proposes, as soon as they are found."""
         source, follow = self.partition_updater.source, self._followed_objects.search
         find: Callable[[BackgroundTask], tuple[Proposal, ...]]
-        if follow is not None and isinstance(partition, Partition):
+        of_run, pages = self._offers_run and isinstance(source, Result) and bool(source.stop_reason), self._pages
+        if follow is not None and isinstance(partition, Partition) and not (of_run and pages.proposed):
             find, name = partial(follow, partition), tr("Following objects…")
-        elif self._offers_run and isinstance(source, Result) and source.stop_reason:
-            find, name = partial(find_proposals, source), tr("Finding the objects of the run…")
+        elif of_run and isinstance(source, Result):
+            continues = pages.following and not pages.is_drawn(self._session.document)
+            find = partial(find_proposals, source, continues, pages.proposed)
+            name = tr("Finding the objects of the run…")
         else:
             return ()
         if self._searched is not partition:

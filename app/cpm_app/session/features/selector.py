@@ -22,6 +22,7 @@ from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import (
     PRESETS,
     Image,
+    Page,
     Parameters,
     Partition,
     Result,
@@ -31,6 +32,7 @@ from cpm_core import (
     segment,
     uniform_grid,
 )
+from cpm_core.formats.stack_files import paint_tracks
 from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.image.region import Region
 from cpm_core.numerics import Array
@@ -388,10 +390,26 @@ class Selector:
         )
 
 
-def find_proposals(result: Result, task: BackgroundTask) -> tuple[Proposal, ...]:
-    """Find the objects that a run proposes, each with the clicks that select it."""
-    found = enumerate(find_objects(result, task.check_cancelled))
-    return tuple(Proposal(one, (Click(as_line(one.inside)),), key=~index) for index, one in found)
+def find_proposals(result: Result, continues: bool, page: Page | None, task: BackgroundTask) -> tuple[Proposal, ...]:
+    """Find the objects that a run proposes, each with the clicks that select it.
+
+    A run `continues` if it began along the contours of the page before. Objects have the numbers of those on `page`.
+    """
+    found = find_objects(result, task.check_cancelled, continues=continues)
+    numbers = [0] * len(found) if page is None or page.result is None else _find_tracks(found, page.result)
+    return tuple(
+        Proposal(one, (Click(as_line(one.inside)),), number, ~index)
+        for index, (one, number) in enumerate(zip(found, numbers, strict=True))
+    )
+
+
+def _find_tracks(found: Sequence[Selection], on_page: Result) -> list[int]:
+    """Find the tracks of objects: those that most of their pixels have on the page, each once; 0 for none."""
+    tracks, numbers = paint_tracks(on_page, on_page.shape), list[int]()
+    for one in found:
+        number = int(np.bincount(tracks[one.region.window][one.region.mask]).argmax())
+        numbers.append(0 if number in numbers else number)
+    return numbers
 
 
 def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:

@@ -41,7 +41,7 @@ from cpm_core import Page, Result
 from cpm_core.formats import ImageFile, describe_shapes, export_stack
 from cpm_core.numerics.types import JsonObject
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.pages import StackResult
+from cpm_core.pages import PageFollower, StackResult
 from cpm_core.shapes import Start, starts_from_contours
 
 _LINK_DELAY = 200
@@ -73,6 +73,7 @@ class StackPages(QObject):
         self._turning = False
         self._kept: dict[int, KeptPage] = {}
         self._found_pages: dict[int, Page] = {}
+        self._proposed: dict[int, Page] = {}
         self._given_starts: tuple[Start, ...] = ()
         self.table: StackTable = EMPTY_TABLE
         """What was found on all pages, with tracks, and the rows: the objects of a page, or else its contours."""
@@ -129,7 +130,9 @@ class StackPages(QObject):
     @property
     def largest_number(self) -> int:
         """Largest number of an object on any page."""
-        return max((document.objects.next_number - 1 for document in self.documents.values()), default=0)
+        proposed = (one.number for page in self._proposed.values() for one in page.contours)
+        known = (document.objects.next_number - 1 for document in self.documents.values())
+        return max((*known, *proposed), default=0)
 
     def edit_page(self, number: int, undo_text: str, edit: Callable[[Document], Document]) -> None:
         """Edit the document of a page, with undo on that page."""
@@ -157,6 +160,11 @@ class StackPages(QObject):
     def is_drawn(self, document: Document) -> bool:
         """Return whether the starts of the open page are drawn by the user, not from the previous page."""
         return not self._given_starts or document.starts != self._given_starts
+
+    @property
+    def proposed(self) -> Page | None:
+        """The objects that the run of the open page proposes, numbered by their tracks; None unless all were run."""
+        return self._proposed.get(self.number)
 
     def go_by(self, by: int) -> None:
         """Go some pages forward or backward, also past a page that could not be opened."""
@@ -269,6 +277,9 @@ class StackPages(QObject):
         kept, following = {**self._kept, self.number: self._describe_open_page()}, self.following
         self._drawn = describe_shapes(document.shapes)
         before = tuple(page for number, page in sorted(self._linked.items()) if number < first)
+        self._proposed = {number: page for number, page in sorted(self._proposed.items()) if number < first}
+        used = (item.number for one in self.documents.values() for item in (*one.objects.items, *one.objects.rejected))
+        proposed = PageFollower(tuple(self._proposed.values()), max(used, default=0))
         source, numbers = self.source, range(first, self.count + 1)
 
         def document_of(number: int, starts: tuple[Start, ...]) -> tuple[Document, tuple[Start, ...]]:
@@ -280,20 +291,31 @@ class StackPages(QObject):
             return give_starts(own, (starts if following else ()) or document.starts)
 
         def run_and_report(task: BackgroundTask) -> None:
-            for page, done in run_pages(source, numbers, document_of, before, task):
+            for page, offered, done in run_pages(source, numbers, document_of, before, proposed, task):
                 self._session.tasks.call_in_window(
-                    partial(self._on_page_done, source.path, kept.get(page.number), page, done)
+                    partial(self._on_page_done, source.path, kept.get(page.number), page, offered, done)
                 )
 
         title = tr("Running {count} pages…", count=len(numbers))
-        self.task = self._session.tasks.start_task(title, run_and_report, tr("running the pages"))
+        activity = tr("running the pages")
+        self.task = self._session.tasks.start_task(title, run_and_report, activity, on_result=self._on_all_done)
         self.changed.emit()
 
     def cancel(self) -> None:
         """Stop running pages; finished ones stay."""
         self.task.cancel()
 
-    def _on_page_done(self, path: str, known: KeptPage | None, page: Page, done: KeptPage) -> None:
+    def _on_all_done(self, _: None) -> None:
+        """Say what was found on all pages, and let new objects of the open page get numbers of their own."""
+        taken, pages = self.largest_number, [page for page in self._proposed.values() if page.result is not None]
+        if taken >= self._session.document.objects.next_number:
+            self._session.edit(tr("run all pages"), lambda document: with_taken_numbers(document, taken))
+        count = len({one.number for page in pages for one in page.contours})
+        found = tr("{pages} of {all} pages were run. Objects on them, each counted once: {count}.",
+                   pages=len(pages), all=self.count, count=count)  # fmt: skip
+        self._session.messages.show(found, category=RUNNING_CATEGORY)
+
+    def _on_page_done(self, path: str, known: KeptPage | None, page: Page, offered: Page, done: KeptPage) -> None:
         """Keep a page that has been run, unless the user has changed it since; the open one is opened again."""
         number, here = page.number, page.number == self.number
         if path != self.source.path:
@@ -301,7 +323,7 @@ class StackPages(QObject):
         before = self._describe_open_page() if here else self._kept.get(number)
         if before is not None and (known is None or before.document != known.document) and before.has_own_start:
             return
-        self._found_pages[number] = page
+        self._found_pages[number], self._proposed[number] = page, offered
         self._link_soon()
         if not done.runs:
             return
@@ -388,7 +410,7 @@ class StackPages(QObject):
         in_volume = opened.image.ndim == 3
         source = self.source = StackSource.from_file(str(opened.path), opened.parts, opened.reading, in_volume)
         self.number = self.wanted_page = source.page_number(opened.reading)
-        self._kept, self._found_pages, self._given_starts = {}, {}, ()
+        self._kept, self._found_pages, self._proposed, self._given_starts = {}, {}, {}, ()
         self.table, self._linked, self._last_result, self._drawn = EMPTY_TABLE, {}, None, ()
         self._measured = IdentityCache()
         if opened.saved is not None and opened.saved.file.pages and self.count:

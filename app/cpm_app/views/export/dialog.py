@@ -64,6 +64,7 @@ DEFAULT_FORMATS = [
     "skeleton:.svg",
     "lines:.swc",
     "measures:.csv",
+    "pages:.measures.csv",
 ]
 """Formats that are checked until the user checks others."""
 
@@ -91,29 +92,39 @@ class FormatList(QTreeWidget):
         Number of items of each kind.
     in_volume, of_dicom : bool
         Whether they are in a volume, and whether the image is from DICOM.
+    only : str
+        The kind of which alone formats are checked; empty for all.
     """
 
     def __init__(
-        self, preferences: Preferences, counts: Mapping[ExportKind, int], in_volume: bool, of_dicom: bool = False
+        self,
+        preferences: Preferences,
+        counts: Mapping[ExportKind, int],
+        in_volume: bool,
+        of_dicom: bool = False,
+        only: ExportKind | None = None,
     ) -> None:
         super().__init__()
-        self._preferences = preferences
+        self._preferences, self._only = preferences, only
         self.setHeaderLabels([tr("What"), tr("File")])
         self.setAccessibleName(tr("What to export"))
         self.rows: dict[tuple[ExportKind, str], QTreeWidgetItem] = {}
         """Rows of the formats by kind and suffix."""
-        known = self._kept_formats
-        checked = known if any(key.partition(":")[0] in counts for key in known) else DEFAULT_FORMATS
+        wanted = [only] if only else list(counts)
+        known = [key for key in self._kept_formats if key.partition(":")[0] in wanted]
+        checked = known or DEFAULT_FORMATS
         for what, count in counts.items():
             title = EXPORT_TITLES[what][0]
             group = QTreeWidgetItem(self, [f"{title} ({count})" if count > 1 else title])
-            group.setExpanded(self.topLevelItemCount() == 1)
+            group.setExpanded(what == wanted[0])
             for suffix, name in list_export_formats(what, in_volume, of_dicom).items():
                 row = self.rows[what, suffix] = QTreeWidgetItem(group, [name])
                 row.setCheckState(0, Qt.CheckState.Unchecked)
-                if f"{what}:{suffix}" in checked and what not in _SLOW_KINDS:
+                if f"{what}:{suffix}" in checked and what in wanted and what not in _SLOW_KINDS:
                     row.setCheckState(0, Qt.CheckState.Checked)
                     group.setExpanded(True)
+            if what == only:
+                self.scrollToItem(group, self.ScrollHint.PositionAtTop)
         self.resizeColumnToContents(0)
 
     @property
@@ -123,7 +134,8 @@ class FormatList(QTreeWidget):
 
     def remember_formats(self) -> None:
         """Keep the checked formats for the next time; those that are not in the list stay as they were."""
-        others = [key for key in self._kept_formats if tuple(key.split(":", 1)) not in self.rows]
+        rows = {f"{what}:{suffix}" for what, suffix in self.rows if self._only in (None, what)}
+        others = [key for key in self._kept_formats if key not in rows]
         self._preferences.store_key(CHECKED_FORMATS_KEY, [*others, *map(":".join, self.checked_formats)])
 
     @property
@@ -155,7 +167,13 @@ class ExportDialog(QDialog):
     """The user exports: the order, and the settings of the animation of the run."""
 
     def __init__(
-        self, parent: QWidget, session: Session, preferences: Preferences, files: FileDialogs, exportable: Exportable
+        self,
+        parent: QWidget,
+        session: Session,
+        preferences: Preferences,
+        files: FileDialogs,
+        exportable: Exportable,
+        only: ExportKind | None = None,
     ) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
@@ -166,7 +184,7 @@ class ExportDialog(QDialog):
         self._volume = scene.slices is not None
         self._result = getattr(scene.reconstruction, "result", None)
         self.folder = files.find_starting_folder("export")
-        self.list = FormatList(preferences, self._count_items(), self._volume, image.hounsfield is not None)
+        self.list = FormatList(preferences, self._count_items(), self._volume, image.hounsfield is not None, only)
         self.list.setMinimumSize(_LIST_WIDTH, parent.height() // 3)
         self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
         self.units, self.space = QCheckBox(tr("Physical units ({unit})").format(unit=image.unit)), QComboBox()

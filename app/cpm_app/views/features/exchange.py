@@ -55,14 +55,18 @@ class ExportFeature(Feature):
             ActionSpec("export", "File", "&Export…", "Export objects, contours, surfaces, pictures and animations.",
                        self.open_export_dialog, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export",
                        gap=True, when=_can_export),
+            ActionSpec("export_pages", "File", "Export all pages…", "Export what was found on all pages of the stack.",
+                       partial(self.open_export_dialog, "pages"),
+                       visible_when=lambda _: self.window.workspace.pages.has_images,
+                       when=lambda _: self.window.workspace.pages.result is not None),
             ActionSpec("export_again", "File", "Export a&gain", "Export the same files again, without a dialog.",
                        self.export_again, "Ctrl+Shift+E", when=_can_export),
         )  # fmt: skip
 
-    def open_export_dialog(self) -> None:
-        """Ask the user what to export."""
+    def open_export_dialog(self, only: ExportKind | None = None) -> None:
+        """Ask the user what to export: at first of one kind only, if it is given."""
         if self.dialog is None:
-            self.dialog = self._create_dialog()
+            self.dialog = self._create_dialog(only)
             self.dialog.finished.connect(self._on_dialog_finished)
             self.dialog.open()
 
@@ -75,7 +79,7 @@ class ExportFeature(Feature):
         else:
             self.open_export_dialog()
 
-    def _create_dialog(self) -> ExportDialog:
+    def _create_dialog(self, only: ExportKind | None = None) -> ExportDialog:
         window, workspace = self.window, self.window.workspace
         navigation, space, pages = workspace.navigation, window.get_feature(SpaceFeature), workspace.pages.result
         exportable = Exportable(
@@ -87,7 +91,7 @@ class ExportFeature(Feature):
             window.get_feature(AnimationFeature).visible_part,
             self._written,
         )
-        dialog = ExportDialog(window, self.session, window.preferences, window.files, exportable)
+        dialog = ExportDialog(window, self.session, window.preferences, window.files, exportable, only)
         dialog.export_requested.connect(self._write_files)
         return dialog
 

@@ -188,7 +188,7 @@ class PagesFeature(Feature):
         self.panel = PagePanel(pages, pages.show_row)
         self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown_at_start=False),)
         self.bar.moved.connect(pages.open_page)
-        self.panel.export.clicked.connect(partial(window.trigger_action, "export"))
+        self.panel.export.clicked.connect(partial(window.trigger_action, "export_pages"))
         window.canvas_area.controls.addWidget(self.bar)
         pages.set_session_file(window.document_file)
         pages.changed.connect(self._on_pages_changed)
@@ -201,24 +201,31 @@ class PagesFeature(Feature):
             return pages.has_images
 
         def can_run(situation: Situation) -> bool:
-            return situation.document.mode != "skeleton" and bool(situation.document.starts)
+            document = situation.document
+            return document.mode != "skeleton" and bool(document.starts or document.objects.items)
 
         def set_following() -> None:
             pages.following = not pages.following
 
         def toggle_run() -> None:
-            (pages.cancel if pages.running else pages.run_all)()
+            if pages.running:
+                pages.cancel()
+            elif self.session.document.starts:
+                pages.run_all()
+            else:
+                followed.follow_all_pages()
 
         self.actions = (
             ActionSpec("run_pages", "Run", "Run all &pages",
                        "Run every page of the stack, one after the other, in the background, or stop that; finished "
-                       "pages are kept.", toggle_run, "Ctrl+Shift+Return", gap=True, visible_when=is_stack,
-                       when=lambda now: pages.running or can_run(now),
+                       "pages are kept. It needs a start; without one the accepted objects are followed.",
+                       toggle_run, "Ctrl+Shift+Return", gap=True, visible_when=is_stack,
+                       when=lambda now: pages.running or (can_run(now) and not followed.running),
                        text_for=lambda _: tr("Stop") if pages.running else tr("Run all &pages")),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all pages after it, one after the other, in the background.",
                        lambda: pages.run_all(pages.number), visible_when=is_stack,
-                       when=lambda now: not pages.running and can_run(now)),
+                       when=lambda now: not pages.running and can_run(now) and bool(now.document.starts)),
             ActionSpec("follow_pages", "Run", "&Follow from page to page",
                        "Start each page from the contours of the previous one instead of from the same drawing.",
                        set_following, short=tr("Follow"), visible_when=is_stack,

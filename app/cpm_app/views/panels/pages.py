@@ -28,7 +28,7 @@ from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core.contours import Measures
-from cpm_core.numerics.types import Integers
+from cpm_core.numerics.types import Integers, Texts
 
 
 def _page_measure_getter(get: Callable[[Measures], float | None]) -> Callable[[PageRow], float | None]:
@@ -46,6 +46,8 @@ PAGE_COLUMNS: tuple[Column[PageRow], ...] = (
     Column("area", tr("Area [{unit}²]"), tr("Gross area, including contours inside."),
            _page_measure_getter(lambda found: found.area_in_units if found.closed else None), "00,000,000", 2),
     Column("gray", tr("Mean gray"), tr("Mean gray value inside."), lambda row: row.gray, "000.0"),
+    Column("time", tr("Time [s]"), tr("Time since the first page, where the file states it."), lambda row: row.time,
+           "00,000", number_format=".6g"),
     Column("length", tr("Length [{unit}]"), tr("Length along the contour: the perimeter of a closed one."),
            _page_measure_getter(lambda found: found.length_in_units), "000,000", 1),
     Column("row", tr("Row [px]"), tr("Row of its center of area; of an open contour, that of its length."),
@@ -108,7 +110,7 @@ class PagePanel(QWidget):
     def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:
         super().__init__()
         self._pages = pages
-        self._plotted: tuple[Integers, str] = ((), "")
+        self._plotted: tuple[Integers, Texts] = ((), ())
         self.table, self.summary, self.export = (
             PageTable(),
             create_wrapped_label(dim=True),
@@ -120,7 +122,7 @@ class PagePanel(QWidget):
         fill_layout(QVBoxLayout(self), *parts, margins=(4, 6, 4, 6), wide=self.table)
         self.table.row_requested.connect(show)
         self.table.selection_changed.connect(self.show_plots)
-        self.chart.clicked.connect(lambda place: pages.open_page(round(place)))
+        self.chart.clicked.connect(self._open_page_at)
         pages.results_changed.connect(self.show_rows)
         pages.changed.connect(self.show_plots)
         self.show_rows()
@@ -149,12 +151,19 @@ class PagePanel(QWidget):
         pages, (found, rows), size = self._pages, self._pages.table, self.table.rows
         tracks = select_plotted_tracks(rows, {row.track for row in self.table.selected_rows if row.track})
         area = tr("Area [{unit}²]").format(unit=size.unit)
-        if (tracks, area) != self._plotted:
-            self._plotted = tracks, area
-            self.chart.show_plots(build_page_plots(tracks, area))
+        count, interval = (0, None) if found is None else (found.count, found.interval)
+        titles = area, tr("Page") if interval is None else tr("Time [s]")
+        if (tracks, titles) != self._plotted:
+            self._plotted = tracks, titles
+            self.chart.show_plots(build_page_plots(tracks, *titles))
         self.chart.setVisible(bool(tracks))
-        count = 0 if found is None else found.count
-        self.chart.show_metrics(PageMetrics.from_rows(rows, count, pages.number, size.factor))
+        self.chart.show_metrics(PageMetrics.from_rows(rows, count, pages.number, size.factor, interval))
+
+    def _open_page_at(self, place: float) -> None:
+        """Open the page at a place of the plots, which is a page or a time."""
+        found = self._pages.result
+        interval = None if found is None else found.interval
+        self._pages.open_page(round(place if interval is None else place / interval + 1.0))
 
 
 _KIND_TITLES = {"page": tr("Page"), "channel": tr("Channel"), "time": tr("Time")}

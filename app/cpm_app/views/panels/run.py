@@ -124,6 +124,8 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
                 item.getAxis(side).setTextPen(pale)
             item.getAxis("left").setWidth(self.fontMetrics().horizontalAdvance("0000000"))
             item.getAxis("bottom").setStyle(showValues=plot is self._plots[-1])
+            if plot.axis:
+                item.setLabel("bottom", plot.axis)
             if plot.kind == "from zero":
                 item.getViewBox().setLimits(yMin=0.0)
             if plot.line is not None:

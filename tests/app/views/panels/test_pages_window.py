@@ -9,6 +9,7 @@ import pytest
 import tifffile
 from cpm_app.model.document import edits
 from cpm_app.session.features.kept_pages import KeptPage
+from cpm_app.views.features.exchange import ExportFeature
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import PagesFeature
 from cpm_app.views.window import dialogs
@@ -86,6 +87,16 @@ def test_all_pages_are_written_in_several_formats_at_once(stack, hand, tmp_path)
     hand.wait(lambda: "cells_pages.tif (2 files)" in stack.canvas_area.messages.text)
     assert (tifffile.imread(labels)[0] > 0).sum() == pytest.approx(np.pi * 81.0, rel=0.1)
     assert table.read_text().startswith("page,track,")
+
+
+def test_export_all_pages_checks_files_of_all_pages_alone(stack, hand) -> None:
+    run_all(stack, hand)
+    hand.key(Qt.Key.Key_F11, Qt.KeyboardModifier.ShiftModifier)
+    hand.qtbot.mouseClick(stack.get_feature(PagesFeature).panel.export, LEFT)
+    dialog = stack.get_feature(ExportFeature).dialog
+    assert dialog is not None
+    assert {file.kind for file in dialog.checked_files} == {"pages"}
+    dialog.reject()
 
 
 def test_the_line_shows_the_pages_and_keys_go_through_them(stack, hand) -> None:
@@ -187,7 +198,8 @@ def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(s
     run_all(stack, hand)
     pages = stack.workspace.pages
     pages._link_pages()  # as after another change
-    pages._on_page_done(pages.source.path, None, Page(2, None, error="no edges"), KeptPage(stack.session.document))
+    failed = Page(2, None, error="no edges")
+    pages._on_page_done(pages.source.path, None, failed, failed, KeptPage(stack.session.document))
     settled(stack, hand)
     assert [page.error for page in pages.result.pages if page.number == 2] == ["no edges"]
 
