@@ -74,7 +74,7 @@ class PageMetrics:
                 areas[row.track][row.page - 1] = row.measures.net_area_in_units * factor**2
                 grays[row.track][row.page - 1] = np.nan if row.gray is None else row.gray
         first, step = (1.0, 1.0) if interval is None else (0.0, interval)
-        places = first + step * np.arange(count)
+        places: Array = first + step * np.arange(count, dtype=np.float64)
         return cls(places, places[open_page - 1 : open_page], areas, grays)
 
 
