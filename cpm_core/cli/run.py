@@ -165,7 +165,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help=f"Write a session ({SESSION_SUFFIX}) that the window opens with these contours.",
     )
-    add_options(outcome, "--max-steps", "--space")
+    add_options(outcome, "--max-steps")
 
 
 class _ClickAction(argparse.Action):

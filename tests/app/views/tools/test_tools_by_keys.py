@@ -15,7 +15,7 @@ from cpm_core.shapes import Barrier, Circle, Ellipse, Grid, Polygon, PolygonRegi
 pytestmark = pytest.mark.shared_window
 
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
-KEYS = {tool.name: getattr(KEY, f"Key_{tool.shortcut}") for tool in TOOLS}
+KEYS = {tool.name: getattr(KEY, f"Key_{tool.shortcut}") for tool in TOOLS if len(tool.shortcut) == 1}
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ from cpm_app.model.document import edits
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.window.keyboard import TypedAhead, find_sliders
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QLineEdit, QToolButton
 
 pytestmark = pytest.mark.shared_window
@@ -76,7 +77,8 @@ def test_letters_choose_tools_from_every_field_and_bring_the_keyboard_to_the_can
         field = fields(board)[kind]
         for tool in TOOLS:
             focus(hand, field)
-            hand.key(getattr(KEY, f"Key_{tool.shortcut}"))
+            keys = QKeySequence(tool.shortcut)[0]
+            hand.key(keys.key(), keys.keyboardModifiers())
             assert hand.canvas.dispatcher.tool.name == tool.name
             assert hand.canvas.hasFocus()
 
