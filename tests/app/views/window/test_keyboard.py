@@ -91,11 +91,12 @@ def test_escape_gives_the_keyboard_back_from_every_field(board, hand, cases) -> 
         assert hand.canvas.hasFocus()
 
 
-def test_the_canvas_gets_the_keyboard_of_a_button_that_goes_when_it_is_clicked(window, hand) -> None:
+def test_the_canvas_gets_the_keyboard_of_a_button_that_goes_when_it_is_pressed(window, hand) -> None:
     bar = window.findChild(OfferBar)
     for _ in range(2):
         bar.add_offer("Shall it be?", ("Yes", list))
-    hand.qtbot.mouseClick(bar.buttons[0], Qt.MouseButton.LeftButton)
+    focus(hand, bar.buttons[0])
+    hand.key(KEY.Key_Return)
     hand.wait(hand.canvas.hasFocus)
     bar.clear()
 
