@@ -66,3 +66,9 @@ def test_the_table_tells_object_hole_net_area_and_what_was_bridged(result):
     for row, contour in zip(rows, result.contours, strict=True):
         assert float(row["bridged_px"]) == pytest.approx(contour.length, abs=1e-3)
         assert float(row["net_area_um2"]) == pytest.approx(0.25 * float(row["net_area_px2"]), rel=1e-5)
+
+
+def test_the_table_of_bodies_tells_the_confidence_of_each() -> None:
+    body = cpm.partition(cpm.example("ball")).select([(15, 15, 15)])
+    (row,) = csv.DictReader(io.StringIO(to_bytes(objects_result([body]), ".csv").decode()))
+    assert float(row["confidence"]) == pytest.approx(body.confidence, abs=1e-3)
