@@ -46,7 +46,7 @@ class _IconEngine(QIconEngine):
 
 @cache
 def load_icon(name: str, role: QPalette.ColorRole = QPalette.ColorRole.WindowText) -> QIcon:
-    """Return the icon of an SVG file, in a color of the palette, pale where disabled, and as the text of selected rows."""
+    """Return the icon of an SVG file in a color of the palette: pale if disabled, that of text on selected rows."""
     special = {QIcon.Mode.Disabled: QPalette.ColorRole.Mid, QIcon.Mode.Selected: QPalette.ColorRole.HighlightedText}
 
     def draw(size: QSize, mode: QIcon.Mode) -> QPixmap:
