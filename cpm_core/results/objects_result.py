@@ -108,7 +108,8 @@ def _join_objects(nothing: Result, selections: Sequence[Selection], labels: Sequ
     larger models that answered.
     """
     parts = [
-        (replace(to, confidence=float(one.confidence) or None), one) for to, one in zip(labels, selections, strict=True)
+        (replace(to, confidence=float(one.confidence) if one.confidence > 0.0 else None), one)
+        for to, one in zip(labels, selections, strict=True)
     ]
     contours = (
         replace(
