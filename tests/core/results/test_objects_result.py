@@ -71,7 +71,8 @@ def test_the_table_tells_object_hole_net_area_and_what_was_bridged(result):
 
 
 def test_the_table_of_bodies_tells_the_confidence_of_each_that_is_known() -> None:
-    body = Selection((8, 8, 8), region=Region.from_mask(np.pad(np.ones((4, 4, 4), bool), 2)))
+    none = np.empty((0, 3))
+    body = Selection(Region.from_mask(np.pad(np.ones((4, 4, 4), bool), 2)), (8, 8, 8), none, none)
     for known, text in ((0.9, "0.9"), (math.nan, "")):
         found = objects_result([replace(body, confidence=known)], Image(np.zeros((8, 8, 8))))
         (row,) = csv.DictReader(io.StringIO(to_bytes(found, ".table.csv").decode()))
