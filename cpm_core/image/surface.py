@@ -19,12 +19,13 @@ from cpm_core.parameters.formatting import format_count, format_repr
 
 @frozen
 class Label:
-    """Name, color, ``"#rrggbb"``, and name of the class of the object with a number; each may be empty."""
+    """Name, color, ``"#rrggbb"``, name of the class, and confidence of the object with a number; each may be empty."""
 
     number: int
     name: str = ""
     color: str = ""
     category: str = ""
+    confidence: float | None = None
 
     def __post_init__(self) -> None:
         check_color("a label", self.color)

@@ -107,7 +107,10 @@ def _join_objects(nothing: Result, selections: Sequence[Selection], labels: Sequ
     for it and none in its holes. Gaps become bridges of strength 0, as theirs is unknown. The provenance names the
     larger models that answered.
     """
-    parts = list(zip(labels, selections, strict=True))
+    parts = [
+        (replace(to, confidence=float(one.confidence) if one.confidence > 0.0 else None), one)
+        for to, one in zip(labels, selections, strict=True)
+    ]
     contours = (
         replace(
             line,
@@ -115,7 +118,7 @@ def _join_objects(nothing: Result, selections: Sequence[Selection], labels: Sequ
             name=to.name,
             color=to.color,
             category=to.category,
-            confidence=float(one.confidence) or None,
+            confidence=to.confidence,
         )
         for to, one in parts
         for line in one.contours

@@ -212,12 +212,11 @@ def _name_object(known: Contour | Label | None) -> Row:
         return {}
     if isinstance(known, Contour) and not known.group:
         return {"name": escape_cell(known.name)}
-    confidence = known.confidence if isinstance(known, Contour) else None
     return {
         "name": escape_cell(known.name),
         "class": escape_cell(known.category),
         "color": known.color,
-        "confidence": "" if confidence is None else f"{confidence:.3g}",
+        "confidence": "" if known.confidence is None else f"{known.confidence:.3g}",
     }
 
 

@@ -15,7 +15,7 @@ TAKING = [
     for name, parser in COMMANDS.items()
     for action in parser._actions
     for option in action.option_strings
-    if action.nargs != 0
+    if action.nargs != 0 and "--help" not in action.option_strings
 ]
 
 

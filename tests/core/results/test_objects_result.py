@@ -2,6 +2,8 @@
 
 import csv
 import io
+import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -66,3 +68,12 @@ def test_the_table_tells_object_hole_net_area_and_what_was_bridged(result):
     for row, contour in zip(rows, result.contours, strict=True):
         assert float(row["bridged_px"]) == pytest.approx(contour.length, abs=1e-3)
         assert float(row["net_area_um2"]) == pytest.approx(0.25 * float(row["net_area_px2"]), rel=1e-5)
+
+
+def test_the_table_of_bodies_tells_the_confidence_of_each_that_is_known() -> None:
+    none = np.empty((0, 3))
+    body = Selection(Region.from_mask(np.pad(np.ones((4, 4, 4), bool), 2)), (8, 8, 8), none, none)
+    for known, text in ((0.9, "0.9"), (math.nan, "")):
+        found = objects_result([replace(body, confidence=known)], Image(np.zeros((8, 8, 8))))
+        (row,) = csv.DictReader(io.StringIO(to_bytes(found, ".table.csv").decode()))
+        assert row["confidence"] == text

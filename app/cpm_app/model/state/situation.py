@@ -157,7 +157,7 @@ def can_step(situation: Situation) -> bool:
     return has_image(situation) and status.phase != "running" and not over
 
 
-HIDDEN_IN_VOLUMES = frozenset(("outline", "objects_alike", "apply_to_folder"))
+HIDDEN_IN_VOLUMES = frozenset(("outline", "apply_to_folder"))
 """Names of actions and tools that are hidden while a volume is open."""
 
 

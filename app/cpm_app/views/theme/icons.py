@@ -25,9 +25,9 @@ _SWATCH_GAP = 5.0
 
 
 class _IconEngine(QIconEngine):
-    """Draws an icon when it is needed; `draw` returns its picture for a size, and whether it is enabled."""
+    """Draws an icon when it is needed; `draw` returns its picture for a size and a mode."""
 
-    def __init__(self, draw: Callable[[QSize, bool], QPixmap]) -> None:
+    def __init__(self, draw: Callable[[QSize, QIcon.Mode], QPixmap]) -> None:
         super().__init__()
         self._draw = draw
 
@@ -41,15 +41,16 @@ class _IconEngine(QIconEngine):
 
     def pixmap(self, size: QSize, mode: QIcon.Mode, state: QIcon.State) -> QPixmap:
         """Return the picture of the icon."""
-        return self._draw(size, mode != QIcon.Mode.Disabled)
+        return self._draw(size, mode)
 
 
 @cache
 def load_icon(name: str, role: QPalette.ColorRole = QPalette.ColorRole.WindowText) -> QIcon:
-    """Return the icon of an SVG file, in a color of the palette, and pale where it is disabled."""
+    """Return the icon of an SVG file in a color of the palette: pale if disabled, that of text on selected rows."""
+    special = {QIcon.Mode.Disabled: QPalette.ColorRole.Mid, QIcon.Mode.Selected: QPalette.ColorRole.HighlightedText}
 
-    def draw(size: QSize, enabled: bool) -> QPixmap:
-        color = QGuiApplication.palette().color(role if enabled else QPalette.ColorRole.Mid)
+    def draw(size: QSize, mode: QIcon.Mode) -> QPixmap:
+        color = QGuiApplication.palette().color(special.get(mode, role))
         return _draw_symbol(name, color.name(), size.height())
 
     return QIcon(_IconEngine(draw))
@@ -85,7 +86,7 @@ def create_pointer(name: str) -> QCursor:
 def create_swatch(*colors: str) -> QIcon:
     """Create a legend icon: small discs side by side in the colors that the user has selected for these."""
 
-    def draw(size: QSize, enabled: bool) -> QPixmap:
+    def draw(size: QSize, _: QIcon.Mode) -> QPixmap:
         width = size.width() / len(colors)
         side = min(width, size.height()) - _SWATCH_GAP
         pixmap = QPixmap(size)

@@ -42,10 +42,10 @@ class Panel:
     below_canvas: bool = False
 
 
-_COLUMN_WIDTH = 306
+_COLUMN_WIDTH = 320
 """Initial width of the column [px]."""
 
-_MIN_COLUMN_WIDTH = 284
+_MIN_COLUMN_WIDTH = 304
 """Smallest width of the column [px]."""
 
 _MAX_COLUMN_FRACTION = 0.29

@@ -132,14 +132,15 @@ class Keyboard(QObject):
     def _on_focus_changed(self, before: QWidget | None, now: QWidget | None) -> None:
         if now is None and before is not None and isinstance(dialog := before.window(), QDialog):
             QTimer.singleShot(0, self, lambda: self.reactivate_window(dialog))
-        left = self._watched if self._watched is not None and shiboken6.isValid(self._watched) else None
-        if left is not None:
+        left, here = self._watched, now is not None and now.window() is self._window
+        is_deleted = left is not None and not shiboken6.isValid(left)
+        if left is not None and not is_deleted:
             left.removeEventFilter(self)
         self._watched, self._value_before = None, None
-        inside = now is not None and now.window() is self._window
-        if left is not None and (inside or now is None) and not (left.isVisible() and left.isEnabled()):
-            self._canvas.setFocus()  # Qt would give it to whatever is next
-        elif now is not None and inside and now is not self._canvas and not isinstance(now, QMenuBar | QMenu):
+        is_gone = left is not None and (is_deleted or not (left.isVisible() and left.isEnabled()))
+        if is_gone and (here or now is None) and shiboken6.isValid(self._canvas):
+            self._canvas.setFocus()  # Qt would give it to whatever is next, or to nothing
+        elif now is not None and here and now is not self._canvas and not isinstance(now, QMenuBar | QMenu):
             self._watched = now
             now.installEventFilter(self)
         self.typing_changed.emit(is_typed_in(self._watched))

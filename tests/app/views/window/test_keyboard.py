@@ -6,6 +6,7 @@ import pytest
 import shiboken6
 from cpm_app.model.document import edits
 from cpm_app.views.tools import TOOLS
+from cpm_app.views.widgets.containers import OfferBar
 from cpm_app.views.window.keyboard import TypedAhead, find_sliders
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
@@ -88,6 +89,16 @@ def test_escape_gives_the_keyboard_back_from_every_field(board, hand, cases) -> 
         focus(hand, fields(board)[kind])
         hand.key(KEY.Key_Escape)
         assert hand.canvas.hasFocus()
+
+
+def test_the_canvas_gets_the_keyboard_of_a_button_that_goes_when_it_is_pressed(window, hand) -> None:
+    bar = window.findChild(OfferBar)
+    for _ in range(2):
+        bar.add_offer("Shall it be?", ("Yes", list))
+    focus(hand, bar.buttons[0])
+    hand.key(KEY.Key_Return)
+    hand.wait(hand.canvas.hasFocus)
+    bar.clear()
 
 
 def test_enter_gives_the_keyboard_back_from_every_field(board, hand, cases) -> None:
