@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import scipy
 
-from cpm_core.formats.images.examples import example
 from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.objects.candidate_regions import CandidateRegions
@@ -81,12 +80,6 @@ def test_the_border_of_a_region_of_interest_bounds_no_object():
     assert [found.may_be_object(one) for one in (rectangle, whole, half)] == [False, True, True]
     everywhere = CandidateRegions([], [], ROW, np.ones(ROW.shape, bool))
     assert everywhere.may_be_object(Region.from_mask(np.ones(ROW.shape, bool)))  # of the image, another rule
-
-
-def test_for_the_objects_of_a_volume_it_points_to_those_of_a_run() -> None:
-    for values in (example("ball"), example("ball").values):
-        with pytest.raises(ValueError, match=r"is a volume, .*cpm\.segment\(\.\.\.\)\.objects"):
-            select_all(values)
 
 
 def test_a_grain_is_an_object_where_only_steps_of_gray_bound_it_and_some_are_faint():

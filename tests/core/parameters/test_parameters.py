@@ -50,7 +50,7 @@ def test_a_choice_takes_its_names_alone_and_the_first_by_itself(name):
     assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in (info.meaning, *info.choices.values()))
     names = " or ".join(f'"{value}"' for value in info.choices)
     for bad in ("Vessels", "", 1.0, None, ["gradient"]):
-        with pytest.raises(ValueError, match=rf"^{name} is .* but must be {names}\.$"):
+        with pytest.raises(ValueError, match=rf"^{name} is .* but must be {names}(\.|: did you mean \w+\?)$"):
             Parameters(**{name: bad})
 
 

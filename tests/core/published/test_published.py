@@ -191,7 +191,7 @@ def test_the_command_line_runs_it_and_its_session_says_so(tmp_path: Path, capsys
 
 
 def test_a_method_or_preset_that_is_not_there_is_named():
-    with pytest.raises(ValueError, match='method is "crust" but must be one of cpm, published'):
+    with pytest.raises(ValueError, match='method is "crust" but must be a class, or one of cpm, published'):
         cpm.segment(DISK, START, method="crust")
     with pytest.raises(ValueError, match='parameters is "sharp" but must be Parameters, or one of shape, '):
         cpm.segment(DISK, START, "sharp")

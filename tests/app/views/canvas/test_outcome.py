@@ -45,8 +45,8 @@ def test_the_tool_speaks_again_once_it_is_chosen(ready, hand) -> None:
 def make_unlikely(monkeypatch) -> None:
     """Let nothing that a run finds be likely."""
 
-    def find_unlikely(result, task):
-        found = find_proposals(result, task)
+    def find_unlikely(*arguments):
+        found = find_proposals(*arguments)
         return tuple(replace(each, selection=replace(each.selection, confidence=0.06)) for each in found)
 
     monkeypatch.setattr(object_selection, "find_proposals", find_unlikely)

@@ -459,10 +459,10 @@ def doubtful(window, monkeypatch):
     """What a run from everywhere finds is doubtful but for one object, at this place."""
 
     def chosen(sure: tuple[float, float]):
-        def found(result, task):
+        def found(*arguments):
             return tuple(
                 replace(each, selection=replace(each.selection, confidence=0.9 if holds else 0.4))
-                for each in find_proposals(result, task)
+                for each in find_proposals(*arguments)
                 for holds in each.selection.contains(np.array([sure]))
             )
 
@@ -502,9 +502,9 @@ def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_
 def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, objects, monkeypatch) -> None:
     corner = (60.0, 4.0)
 
-    def found(result, task):
+    def found(result, *rest):
         likely = [
-            replace(each, selection=replace(each.selection, confidence=0.9)) for each in find_proposals(result, task)
+            replace(each, selection=replace(each.selection, confidence=0.9)) for each in find_proposals(result, *rest)
         ]
         doubtful = replace(partition(result).select(np.array([corner])), confidence=0.4)
         return (*likely, Proposal(doubtful, (Click((corner,)),)))
