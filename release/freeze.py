@@ -38,7 +38,7 @@ LEFT_OUT = (
     *("PySide6.QtQml", "PySide6.QtQuick", "PySide6.QtSql", "PySide6.QtNetwork", "PySide6.QtTest", "PySide6.QtOpenGL"),
     *("matplotlib", "networkx", "pydoc_data", "readline", "numba.np.ufunc.omppool", "numba.np.ufunc.tbbpool"),
     *("PIL.AvifImagePlugin", "PIL._avif", "skimage.data", "skimage.io", "skimage.filters.rank"),
-    *("scipy.io", "scipy.integrate", "scipy.optimize", "scipy.stats", "scipy.special.cython_special"),
+    *("scipy.io", "scipy.integrate", "scipy.stats", "scipy.special.cython_special"),
 )
 """What is installed here or named by a library, and not needed."""
 

@@ -28,7 +28,7 @@ MISTAKES = {
     "a path": (lambda: cpm.segment("cells.png", SEEDS), '"cells.png" is a path, and no image: open it by load_image'),
     "a method to compare with": (
         lambda: cpm.segment(IMAGE, SEEDS, method="gvf"),
-        'method is "gvf" but must be one of cpm, published',
+        'method is "gvf" but must be a class, or one of cpm, published',
     ),
     "no selection": (lambda: cpm.select(IMAGE, [(5, 5)], previous=3), "previous is 3 but must be a selection"),
     "nothing alike": (lambda: cpm.select_all(IMAGE, [3]), r"like is \[3\] but must be a list of selections"),
@@ -39,7 +39,7 @@ MISTAKES = {
 def in_one_sentence(caught):
     text = str(caught.value)
     assert text.count("\n") == 0
-    assert text.endswith(".")
+    assert text.endswith((".", "?"))
     assert ". " not in text
 
 

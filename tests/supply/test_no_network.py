@@ -54,7 +54,7 @@ session = window.session
 until(lambda: session.document.image is not None and session.idle)
 session.step()
 until(lambda: session.status.step > 0 and session.idle)
-session.export(ExportOrder((ExportFile(Path("window.svg"), "contours", ".svg"),)))
+session.export_files(ExportOrder((ExportFile(Path("window.svg"), "contours", ".svg"),)))
 until(lambda: Path("window.svg").exists() and session.idle)
 maps = Path("/proc/self/maps")
 assert not (maps.exists() and "Qt6Network" in maps.read_text())

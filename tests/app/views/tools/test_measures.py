@@ -127,7 +127,7 @@ def test_measures_are_exported_with_units_and_kept_in_the_session(window, hand, 
     drawn = window.session.document.shapes
     (path,) = export(hand.qtbot, window, tmp_path, "measures:.csv")
     assert path.name == "disc_measures.csv"
-    ruler, angle, oval = csv.DictReader(path.open(encoding="utf-8"))
+    ruler, angle, oval = csv.DictReader(path.read_text("utf-8").splitlines())
     assert float(ruler["length_um"]) == pytest.approx(25.0, abs=0.6)
     assert (ruler["angle_deg"], angle["measure"], oval["mean_gray"]) == ("", "angle", "200")
     saved = tmp_path / "kept.cpm"
