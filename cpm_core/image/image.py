@@ -102,6 +102,8 @@ class Image(drawing.Pictured):
     >>> image.shape, image.ndim, [round(level, 1) for level in image.gray_range], image.sha256[:8]
     ((40, 60), 2, [0.0, 70.7], '2cd5ef8e')
     >>> small = cpm.Image(np.eye(8, dtype=np.uint8))
+    >>> small.gray_levels_in((slice(0, 2), slice(0, 3))).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
     >>> small.stored.dtype.name, small.values.dtype.name
     ('uint8', 'float64')
     >>> image.is_ct, cpm.Image(np.eye(8), hounsfield=True).is_ct
