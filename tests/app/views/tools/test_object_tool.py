@@ -700,12 +700,12 @@ def test_a_session_file_keeps_objects_classes_and_the_selection_in_progress(wind
 def test_each_result_of_a_run_is_partitioned_once(window, hand, objects, monkeypatch) -> None:
     prepared, at_rest = [], threading.Event()
 
-    def slow(result):
+    def slow(result, model):
         """The partition of a result; that of one on the way is ready only after the run."""
         prepared.append(result)
         if not result.stop_reason:
             at_rest.wait(60)
-        return partition(result)
+        return partition(result, model=model)
 
     monkeypatch.setattr(selector, "partition", slow)
     window.actions_by_name["start_grid"].trigger()

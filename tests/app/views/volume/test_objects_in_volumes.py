@@ -175,7 +175,7 @@ def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
     hand.wait(lambda: all(found.workspace.object_list.measurer.figures_of(item) is not None for item in items(found)))
     model = table.model()
     heads = [model.headerData(k, Qt.Orientation.Horizontal) for k in range(model.columnCount())]
-    assert heads[3] == "Volume", heads
+    assert "Volume" in heads
     row = dict(zip(heads, (model.index(0, k).data() for k in range(model.columnCount())), strict=True))
     assert float(row["Volume"].replace(",", "")) == pytest.approx(BALL, rel=0.08)
     assert float(row["Area"].replace(",", "")) == pytest.approx(4.0 * np.pi * RADIUS**2, rel=0.08)
