@@ -49,12 +49,12 @@ def test_the_parameters_that_decide_are_seen_without_scrolling(window, hand) -> 
 
 def test_the_image_has_its_room_in_small_windows(ready, hand) -> None:
     picture = ready.canvas_area.views.geometry
-    for width, height in ((1280, 720), (960, 540)):
+    for width, height, share in ((1280, 720, 0.6), (960, 540, 0.57)):
         resized(ready, hand, width, height)
         hand.key(Qt.Key.Key_R)
         hand.wait_for_phase("ready")
         for _ in range(2):
-            hand.wait(lambda: picture().width() >= 0.6 * ready.width())
+            hand.wait(lambda share=share: picture().width() >= share * ready.width())
             hand.wait(lambda: picture().height() >= 0.65 * ready.height())
             hand.key(Qt.Key.Key_Space)
             hand.wait_for_phase("finished")
