@@ -146,6 +146,12 @@ def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:
     return ConnectedParts(np.asarray(labels, np.int32), int(count))
 
 
+def compute_iou(one: Mask, other: Mask) -> float:
+    """Compute the intersection over union of two masks of one shape; 0 when both are empty."""
+    whole = np.count_nonzero(one | other)
+    return np.count_nonzero(one & other) / whole if whole else 0.0
+
+
 def find_largest_part(mask: Mask) -> Mask:
     """Find the largest connected part of a mask whose neighbors share a side."""
     parts, _ = scipy.ndimage.label(mask)

@@ -176,9 +176,3 @@ def keep_last_marks(inside: _Points, outside: _Points, newer: Mask) -> tuple[_Po
     """
     same = (np.rint(inside)[:, None] == np.rint(outside)).all(axis=2)
     return inside[newer | ~same.any(axis=1)], outside[~(same & newer[:, None]).any(axis=0)], bool(same.any())
-
-
-def compute_iou(one: Mask, other: Mask) -> float:
-    """Compute the intersection over union of two masks of one shape; 0 when both are empty."""
-    whole = np.count_nonzero(one | other)
-    return np.count_nonzero(one & other) / whole if whole else 0.0

@@ -53,37 +53,34 @@ def find_thin_object(values: Array, pixels: Index) -> ThinObject | None:
     """Find the connected lines of an image, shape (H, W), that pixels, shape (N, 2), lie in; None without any."""
     if not len(pixels):
         return None
-    found: ThinObject | None = None
-    for reach in (_FIRST_REACH, _TREE_REACH):
-        low = np.maximum(pixels.min(axis=0) - reach, 0)
-        high = pixels.max(axis=0) + reach + 1
-        box = slice(low[0], high[0]), slice(low[1], high[1])
-        found = _find_lines_around(values[box], pixels - low)
-        if found is None:
-            return None
-    assert found is not None
-    whole = np.zeros(values.shape, bool)
-    whole[box] = found.mask
-    return found._replace(mask=whole)
+    if _find_lines_around(values, pixels, _FIRST_REACH) is None:
+        return None
+    return _find_lines_around(values, pixels, _TREE_REACH)
 
 
-def _find_lines_around(values: Array, pixels: Index) -> ThinObject | None:
-    """Find the connected lines that hold pixels, if long in mean widths."""
-    dark, bright = filter_lines(values)
+def _find_lines_around(values: Array, pixels: Index, reach: int) -> ThinObject | None:
+    """Find the connected lines that hold pixels, up to a distance from these [px], if long in mean widths."""
+    low = np.maximum(pixels.min(axis=0) - reach, 0)
+    high = pixels.max(axis=0) + reach + 1
+    box = slice(low[0], high[0]), slice(low[1], high[1])
+    near, inside = values[box], tuple((pixels - low).T)
+    dark, bright = filter_lines(near)
     for kind, other in ((dark, bright), (bright, dark)):
         parts, count = scipy.ndimage.label(kind.find_pixels_above_chance(other), np.ones((3, 3)))
-        held = np.bincount(parts[tuple(pixels.T)], minlength=count + 1)
+        held = np.bincount(parts[inside], minlength=count + 1)
         held[0] = 0
         if held.max() < _MIN_POINT_SHARE * len(pixels):
             continue
         part = parts == held.argmax()
         middle = skimage.morphology.skeletonize(part)  # type: ignore[no-untyped-call]
         area, length = np.count_nonzero(part), np.count_nonzero(middle)
-        slope = scipy.ndimage.gaussian_gradient_magnitude(values, 1.0)[middle]
+        slope = scipy.ndimage.gaussian_gradient_magnitude(near, 1.0)[middle]
         # the image is level along the middle of a line, but steepest at the rim of a disk, which bends as well
         if np.median(slope) < np.median(kind.contrast[middle]) and length**2 >= _MIN_LINE_LENGTH * area:
             across = float(np.square(np.diff(true_bounds(part), axis=0)).sum())
             _, nearest = scipy.ndimage.distance_transform_edt(~middle, return_indices=True)
             clear = part & (middle | (kind.contrast >= _MIN_RELATIVE_CONTRAST * kind.contrast[tuple(nearest)]))
-            return ThinObject(clear, bool(length**2 >= _MIN_TREE_LENGTH * area and area <= _MAX_TREE_FILL * across))
+            whole = np.zeros(values.shape, bool)
+            whole[box] = clear
+            return ThinObject(whole, bool(length**2 >= _MIN_TREE_LENGTH * area and area <= _MAX_TREE_FILL * across))
     return None

@@ -9,8 +9,8 @@ import numpy as np
 import PIL.Image
 import scipy
 
-from cpm_core.numerics.grids import bounding_window
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Pixels, Single, record
+from cpm_core.numerics.grids import bounding_window, compute_iou
+from cpm_core.numerics.types import Array, Extent, Index, Numbers, Pixels, Single, record
 from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range, sample_bilinear
 from cpm_core.objects.prior.larger_models import decode_prompt, encode_image
 from cpm_core.objects.prior.object_predictor import (
@@ -67,7 +67,7 @@ class ModelPredictor:
         found.sort(key=lambda one: -_rate_prediction(one, prompt, known_area))
         distinct: list[Prediction] = []
         for one in found:
-            if one.mask.any() and all(_compute_iou(one.mask, other.mask) <= SAME_OBJECT_IOU for other in distinct):
+            if one.mask.any() and all(compute_iou(one.mask, other.mask) <= SAME_OBJECT_IOU for other in distinct):
                 distinct.append(one)
         yield from put_surroundings_last(distinct[:MAX_PREDICTIONS], prompt)
 
@@ -86,8 +86,8 @@ class ModelPredictor:
             mask[np.ix_(rows, cols)] = seen[..., 0] > 0.0
         probability = scipy.special.expit(answer)
         certainty = probability[likely].sum() / max(float(likely.sum() + probability[~likely].sum()), 1.0)
-        steadiness = _compute_iou(answer > _STABLE_LOGIT, answer > -_STABLE_LOGIT)
-        others = [_compute_iou(likely, other > 0.0) for at, other in enumerate(logits) if at != number]
+        steadiness = compute_iou(answer > _STABLE_LOGIT, answer > -_STABLE_LOGIT)
+        others = [compute_iou(likely, other > 0.0) for at, other in enumerate(logits) if at != number]
         iou = float(np.clip(ious[number], 0.0, 1.0))
         coarseness = max(max(mask.shape) / _ANSWER_SIDE, 1.0)
         return Prediction(mask, coarseness, iou, float(certainty), steadiness, max(others, default=1.0))
@@ -140,8 +140,4 @@ def _rate_prediction(found: Prediction, prompt: Prompt, known_area: float | None
     rating = found.predicted_iou - wrong
     if known_area is not None:
         rating -= AREA_PENALTY * abs(float(np.log(max(known_area, 1.0) / max(int(np.count_nonzero(found.mask)), 1))))
-    return rating + (0.0 if prompt.previous_mask is None else _compute_iou(found.mask, prompt.previous_mask))
-
-
-def _compute_iou(one: Mask, other: Mask) -> float:
-    return np.count_nonzero(one & other) / max(int(np.count_nonzero(one | other)), 1)
+    return rating + (0.0 if prompt.previous_mask is None else compute_iou(found.mask, prompt.previous_mask))

@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import true_bounds
+from cpm_core.numerics.grids import compute_iou, true_bounds
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.objects.prior.crops import (
     CROP_SIZE_RATIO,
@@ -351,8 +351,7 @@ def _crop_around(found: Array | Index, prompt: Prompt) -> Crop2D:
 
 def _compute_probability_iou(seen: Single, other: Single) -> float:
     """Compute the overlap (intersection over union) of the objects in two probability maps of one crop."""
-    one, two = seen > INSIDE_PROBABILITY, other > INSIDE_PROBABILITY
-    return float(np.count_nonzero(one & two)) / max(int(np.count_nonzero(one | two)), 1)
+    return compute_iou(seen > INSIDE_PROBABILITY, other > INSIDE_PROBABILITY)
 
 
 def _encode_points(on: Mask) -> Single:

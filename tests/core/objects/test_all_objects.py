@@ -8,9 +8,9 @@ import scipy
 
 from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
+from cpm_core.objects import compute_iou
 from cpm_core.objects.candidate_regions import CandidateRegions
 from cpm_core.objects.confidence import estimate_among_siblings
-from cpm_core.objects.selection import compute_iou
 from cpm_core.segmentation.select import select_all
 
 ROW, COL = np.indices((120, 130)).astype(float)

@@ -9,8 +9,8 @@ import pytest
 
 import cpm_core as cpm
 from cpm_core.formats import SessionFile, save_session
+from cpm_core.objects import compute_iou
 from cpm_core.objects.all_objects import find_objects_everywhere
-from cpm_core.objects.selection import compute_iou
 from cpm_core.results.found_objects import is_run_everywhere, split_seeds
 from cpm_core.shapes import Circle, Everywhere, Grid, Sphere, Threshold
 from cpm_core.shapes.document_shapes import compute_seeds

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 
 from PySide6.QtCore import QRectF, Qt, Signal
@@ -48,6 +47,7 @@ from cpm_core import Skeleton
 from cpm_core.formats import SURFACE_SUFFIXES, count_left_out
 from cpm_core.formats.meshes.simplification import MAX_SMOOTHING, Simplification
 from cpm_core.image import CONVENTIONS
+from cpm_core.numerics.packages import has_package
 from cpm_core.numerics.types import frozen
 from cpm_core.shapes import select_measures
 
@@ -194,7 +194,7 @@ class ExportDialog(QDialog):
         self.tolerance.setAccessibleName(tr("Simplify"))
         self.rounds = _create_number_field(tr("Rounds of smoothing"), 0, MAX_SMOOTHING, 0)
         self.triangles = _create_number_field(tr("Triangles"), 1, 100, 100, " %")
-        self.triangles.setEnabled(find_spec("fast_simplification") is not None)
+        self.triangles.setEnabled(has_package("fast_simplification"))
         self.triangles.setToolTip(
             tr("Leaving out triangles needs the package {package}.", package="fast-simplification")
         )

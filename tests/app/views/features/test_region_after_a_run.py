@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from cpm_core.objects.selection import compute_iou
+from cpm_core.objects import compute_iou
 
 pytestmark = pytest.mark.shared_window
 
