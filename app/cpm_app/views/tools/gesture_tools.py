@@ -38,6 +38,16 @@ class DraggedTool(ShapeTool):
         """Build the shape between two places."""
         raise NotImplementedError
 
+    def drag_in_slice(self, begin: Position, at: Position) -> tuple[Position, float, float]:
+        """Return where a drag began in its slice, and how far it goes down and right; equally far with Shift."""
+        start = self.position_in_slice(begin)
+        down, right = map(operator.sub, self.position_in_slice(at), start)
+        if self.modifiers & Qt.KeyboardModifier.ShiftModifier:
+            high, wide = self.pixel_sides
+            size = max(abs(down) * high, abs(right) * wide)
+            down, right = math.copysign(size / high, down), math.copysign(size / wide, right)
+        return start, down, right
+
     def on_press(self, at: Position) -> None:
         """Begin a shape."""
         self._begin_gesture()
@@ -86,14 +96,7 @@ class EllipseTool(DraggedTool):
 
     def build_shape(self, begin: Position, at: Position) -> Ellipse | Box:
         """Build the ellipse in the dragged box, its first radius along the row; in a volume, the box."""
-        (top, left), (down, right) = (
-            self.position_in_slice(begin),
-            map(operator.sub, self.position_in_slice(at), self.position_in_slice(begin)),
-        )
-        high, wide = self.pixel_sides
-        if self.modifiers & Qt.KeyboardModifier.ShiftModifier:
-            size = max(abs(down) * high, abs(right) * wide)
-            down, right = math.copysign(size / high, down), math.copysign(size / wide, right)
+        (top, left), down, right = self.drag_in_slice(begin, at)
         centered = bool(self.modifiers & Qt.KeyboardModifier.ControlModifier)
         if self.volume is not None and self.current_slice is not None:
             one = (top - down, left - right) if centered else (top, left)

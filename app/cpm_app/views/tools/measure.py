@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import operator
-
-from PySide6.QtCore import Qt
-
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.gesture_tools import DraggedTool
@@ -85,13 +80,8 @@ class OvalTool(DraggedTool):
 
     def build_shape(self, begin: Place, at: Place) -> Oval:
         """Build the ellipse in the dragged box."""
-        one, other = map(self.position_in_slice, (begin, at))
-        down, right = map(operator.sub, other, one)
-        if self.modifiers & Qt.KeyboardModifier.ShiftModifier:
-            high, wide = self.pixel_sides
-            size = max(abs(down) * high, abs(right) * wide)
-            down, right = math.copysign(size / high, down), math.copysign(size / wide, right)
-        center = self.place_in_image((one[0] + 0.5 * down, one[1] + 0.5 * right))
+        (top, left), down, right = self.drag_in_slice(begin, at)
+        center = self.place_in_image((top + 0.5 * down, left + 0.5 * right))
         radii = (max(0.5 * abs(down), SMALLEST_RADIUS), max(0.5 * abs(right), SMALLEST_RADIUS))
         here = self.current_slice
         if here is None:
