@@ -62,7 +62,6 @@ from cpm_core.formats.sessions.project_file import project_session as project_se
 from cpm_core.formats.sessions.project_file import update_project as update_project
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX as SESSION_SUFFIX
 from cpm_core.formats.sessions.session_file import ImageFile as ImageFile
-from cpm_core.formats.sessions.session_file import SecondFile as SecondFile
 from cpm_core.formats.sessions.session_file import SessionFile as SessionFile
 from cpm_core.formats.sessions.session_file import TruthFile as TruthFile
 from cpm_core.formats.sessions.session_file import adapt_reading as adapt_reading

@@ -55,7 +55,7 @@ _MAX_SESSION_SIZE = 64 * 2**20
 
 @frozen
 class ImageFile:
-    """The image that a session belongs to.
+    """An image of a session: the one that it belongs to, or a second one that lies over it.
 
     Attributes
     ----------
@@ -100,26 +100,7 @@ class TruthFile:
     holes: bool = True
 
 
-@frozen
-class SecondFile:
-    """The second image of a session, which lies over the first.
-
-    Attributes
-    ----------
-    path : str
-        Its file; a relative path starts at the folder of the session file.
-    absolute : str
-        Another path where it may be.
-    reading : Reading
-        Part of the file.
-    """
-
-    path: str
-    absolute: str = ""
-    reading: Reading = DEFAULT_READING
-
-
-def locate_file(file: TruthFile | SecondFile, folder: Path) -> Path:
+def locate_file(file: TruthFile | ImageFile, folder: Path) -> Path:
     """Return where a file of a session in a folder is: beside it, or else at its absolute path."""
     beside = folder / file.path
     return beside if beside.exists() or not file.absolute else Path(file.absolute)
@@ -153,7 +134,7 @@ class SessionFile:
         Recorded runs of the window, as JSON; no effect on a run.
     truth : TruthFile or None
         The ground truth that contours are compared with.
-    second : SecondFile or None
+    second : ImageFile or None
         The second image; no effect on a run.
     pages : mapping
         The other pages of a stack, as JSON of the window; no effect on a run.
@@ -170,7 +151,7 @@ class SessionFile:
     notes: Texts = ()
     runs: JsonObject = field(default_factory=dict)
     truth: TruthFile | None = None
-    second: SecondFile | None = None
+    second: ImageFile | None = None
     pages: JsonObject = field(default_factory=dict)
 
 
@@ -285,7 +266,7 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             ),
             runs=read_optional("runs", "recorded runs were", partial(_expect_finite_entries, where="runs"), {}),
             truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile, where="truth"), None),
-            second=read_optional("second", "second image was", partial(from_json, SecondFile, where="second"), None),
+            second=read_optional("second", "second image was", partial(from_json, ImageFile, where="second"), None),
             pages=read_optional(
                 "pages", "other pages of the stack were", partial(_expect_finite_entries, where="pages"), {}
             ),
@@ -342,7 +323,7 @@ def find_session_image(image: ImageFile, folder: Path, check_cancelled: Callback
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
 
 
-def _part_to_json(part: ImageFile | SecondFile, folder: Path) -> JsonDict:
+def _part_to_json(part: ImageFile, folder: Path) -> JsonDict:
     """Convert a part of a file to JSON, with those options of its reading that are not the default."""
     read = {name: to_json(given) for name, given in part.reading.arguments.items()}
     return {**to_json(part), **_place_to_json(part.path, folder), "reading": read}

@@ -10,7 +10,7 @@ from typing import Literal
 
 from cpm_app.model.text.language import tr
 from cpm_core import PARAMETERS, PRESETS, Image, Parameters, PlacedCharge
-from cpm_core.formats import Reading, SecondFile
+from cpm_core.formats import ImageFile, Reading
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image import AnyRegions
@@ -103,7 +103,7 @@ class Document:
         The objects that have been selected, and the selection that is being made.
     outlined : SkeletonTarget
         Objects and contours whose skeleton is wanted in the mode of skeletons; if empty, that of the image.
-    second : SecondFile or None
+    second : ImageFile or None
         A second image, which is shown over the first.
     """
 
@@ -113,7 +113,7 @@ class Document:
     mode: Mode = "shape"
     objects: SegmentedObjects = field(default_factory=SegmentedObjects)
     outlined: SkeletonTarget = field(default_factory=SkeletonTarget)
-    second: SecondFile | None = None
+    second: ImageFile | None = None
 
     @property
     def starts(self) -> tuple[Start, ...]:

@@ -21,9 +21,9 @@ from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
 from cpm_app.session.undo_history import UndoHistory
 from cpm_core import Engine, Evolution, Image, Page, Result, load_pages
 from cpm_core.formats import (
+    ImageFile,
     Pages,
     Reading,
-    SecondFile,
     decode_session,
     encode_session,
     expect_mapping,
@@ -92,7 +92,7 @@ class StackSource:
         selected: dict[str, Any] = {self.kind: None if number == self._default and not self.has_volumes else number}
         return replace(self.reading, **selected)
 
-    def follow_second(self, second: SecondFile | None, number: int) -> SecondFile | None:
+    def follow_second(self, second: ImageFile | None, number: int) -> ImageFile | None:
         """Return the second image of a page from that of another one: a channel of the file goes along in time."""
         if second is None or second.path != self.path or self.kind != "time":
             return second

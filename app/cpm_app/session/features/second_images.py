@@ -14,7 +14,7 @@ from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Image, load_image, load_volume
-from cpm_core.formats import Reading, SecondFile
+from cpm_core.formats import ImageFile, Reading
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.image.resampling import is_label_map
 
@@ -25,7 +25,7 @@ class SecondImages(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._known: tuple[SecondFile | None, Image | None] = None, None
+        self._known: tuple[ImageFile | None, Image | None] = None, None
         """The second image of the document, and the image that it lies over."""
         self._task = ENDED_TASK
         session.document_changed.connect(self._on_document_changed)
@@ -33,13 +33,13 @@ class SecondImages(QObject):
     def open_file(self, path: Path, reading: Reading = DEFAULT_READING) -> None:
         """Read a file, or a part of it, and make it the second image if it can be."""
         if self._session.image is not None:
-            self._read(SecondFile(str(path.absolute()), reading=reading), self._session.image, self._use)
+            self._read(ImageFile(str(path.absolute()), reading=reading), self._session.image, self._use)
 
     def remove(self) -> None:
         """Show no second image."""
         self._session.edit(tr("remove the overlay"), lambda document: replace(document, second=None))
 
-    def _use(self, file: SecondFile) -> None:
+    def _use(self, file: ImageFile) -> None:
         """Make what has been read the second image of the document."""
         self._known = file, self._session.image
         name = tr("overlay {name}", name=Path(file.path).name)
@@ -55,7 +55,7 @@ class SecondImages(QObject):
         if document.second and wanted[1] is not None:
             self._read(document.second, wanted[1])
 
-    def _read(self, file: SecondFile, target: Image, use: Callable[[SecondFile], object] = lambda _: None) -> None:
+    def _read(self, file: ImageFile, target: Image, use: Callable[[ImageFile], object] = lambda _: None) -> None:
         """Start to read a file, and `use` it before it is shown; what is shown stays until then."""
         self._task.cancel()
         name = Path(file.path).name
