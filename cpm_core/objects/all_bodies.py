@@ -78,7 +78,7 @@ def measure_body(found: Selection) -> BodyFeatures:
         raise ValueError("a body without voxels, or of an unknown volume, cannot be measured.")
     steps = measure_edge_steps(image.values, surface)
     deviation = float(steps.std()) if len(steps) else 0.0
-    volume = float(np.count_nonzero(found.region.mask))
+    volume = float(found.region.count)
     return BodyFeatures(
         steadiness=abs(float(steps.mean())) / deviation if deviation else 1.0,
         solidity=volume / _measure_hull(found.region.mask),

@@ -39,7 +39,7 @@ def find_similar_objects(partition: Partition | VolumePartition, chosen: Selecti
     strength of their boundary are similar. Where two bodies touch, they are split at the neck between them. Objects
     that the border of the image cuts are closed along it, and may be smaller.
     """
-    mask, area = chosen.mask, np.count_nonzero(chosen.region.mask)
+    mask, area = chosen.mask, chosen.region.count
     if not area:
         return
     sides = partition.voxel_sides if isinstance(partition, VolumePartition) else np.ones(2)

@@ -306,7 +306,7 @@ class ObjectSelection(QObject):
             new = [
                 each
                 for each, region, there in regions
-                if (region.mask & there).sum() < _SAME_OBJECT_COVERAGE * region.mask.sum()
+                if (region.mask & there).sum() < _SAME_OBJECT_COVERAGE * region.count
             ]
             return new if known.may_overlap else [partition.remove_pixels(each, taken) for each in new]
 

@@ -417,7 +417,7 @@ def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject])
     left = []
     for each in found:
         region = each.selection.region
-        places, most = _sample_pixels(region), _MUCH_LARGER * np.count_nonzero(region.mask)
+        places, most = _sample_pixels(region), _MUCH_LARGER * region.count
         within = [item.region.encloses(places) for item in items if item.region.size < most]
         if not within or np.any(within, axis=0).mean() < 0.5:
             left.append(each)
