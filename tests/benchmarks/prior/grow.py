@@ -69,6 +69,9 @@ SEEN_BEFORE = 8
 
 DEVICE = torch.device("cuda" if torch.cuda.is_available() else "cpu")
 
+HALF_IS_FASTER = DEVICE.type == "cuda" or torch.cpu._is_avx512_bf16_supported()
+"""Whether products of half precision take less time here: an eighth on a GPU, half on a processor that has them."""
+
 LONGEST_GRADIENT = 2.0
 OVERLAP_COUNTS = 0.3
 """Share of the estimate of the overlap in what is minimized."""
@@ -225,7 +228,7 @@ def _corrected_batch(
 
 def _answers(network: UNet, views: Sequence[View], prompts: Sequence[Prompt]) -> tuple[Tensor, Tensor]:
     """Logits of the pixels and of the overlaps."""
-    with torch.autocast(DEVICE.type, torch.bfloat16, enabled=DEVICE.type == "cuda"):
+    with torch.autocast(DEVICE.type, torch.bfloat16, enabled=HALF_IS_FASTER):
         logits, overlaps = network(_maps(views, prompts))
     return logits.float(), overlaps.float()
 
