@@ -7,7 +7,7 @@ then a crop around the answer so far.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
@@ -32,6 +32,9 @@ _MIN_CROP_REFINEMENTS = 2
 
 _MAX_CROP_REFINEMENTS = 6
 """Largest number of crops around answers, while these reach the rim of their crop."""
+
+_MAX_CORRECTION_SHARE = 0.6
+"""Side of a crop around a correction, as a share of that around the object, up to which it shows more."""
 
 _CROP_RIM_WIDTH = 2.0
 """Width of the rim of a crop [px of the crop]."""
@@ -80,6 +83,11 @@ class Prompt:
     drawn_area: Mask | None = None
     box: tuple[float, float, float, float] | None = None
     previous_mask: Mask | None = None
+
+    def find_contradictions(self, mask: Mask) -> Index:
+        """Find the points that contradict a mask, shape (H, W), as shape (N, 2)."""
+        missing, surplus = ~mask[tuple(self.positive.T)], mask[tuple(self.negative.T)]
+        return np.concatenate([self.positive[missing], self.negative[surplus]])
 
     @property
     def has_only_positive(self) -> bool:
@@ -209,12 +217,9 @@ class ObjectPredictor:
     def predict_objects(self, prompt: Prompt, known_area: float | None = None) -> Iterator[Prediction]:
         """Predict the objects that a prompt may mean, as `Predictor.predict_objects`."""
         if prompt.previous_mask is not None and prompt.previous_mask.any():
-            yield self._refine_prediction(
-                self._predict_crop(_crop_around(true_bounds(prompt.previous_mask), prompt), prompt, None),
-                prompt,
-                1.0,
-                _MIN_CROP_REFINEMENTS,
-            )
+            answer = self._predict_crop(_crop_around(true_bounds(prompt.previous_mask), prompt), prompt, None)
+            found = self._refine_prediction(answer, prompt, 1.0, _MIN_CROP_REFINEMENTS)
+            yield self._refine_corrections(found, prompt, prompt.previous_mask)
             return
         yield from put_surroundings_last(self._predict_by_score(prompt, known_area), prompt)
 
@@ -252,6 +257,25 @@ class ObjectPredictor:
             answer, before = self._predict_crop(_crop_around(answer.object_bounds, prompt), prompt, answer), answer
             rounds += 1
         return self._build_prediction(answer, agreement, answer.crop.sample_from(before.crop, before.probability))
+
+    def _refine_corrections(self, found: Prediction, prompt: Prompt, previous: Mask) -> Prediction:
+        """Refine what points that contradict a previous mask, shape (H, W), have changed, each in a crop of its own.
+
+        A small change to a large object is a few steps wide in a crop around all of it.
+        """
+        mask = found.mask
+        for place in prompt.find_contradictions(previous):
+            parts, _ = scipy.ndimage.label(mask != previous)
+            number = parts[tuple(place)]
+            low, high = true_bounds(parts == number) if number else (place, place)
+            crop = Crop2D.from_bounds(low, high)
+            if crop.step_size > _MAX_CORRECTION_SHARE * found.downsampling:
+                continue
+            answer = self._predict_crop(crop, replace(prompt, previous_mask=mask), None)
+            box, part = crop.map_back(answer.probability, mask.shape)
+            mask = mask.copy()
+            mask[box] = part > INSIDE_PROBABILITY
+        return found._replace(mask=mask)
 
     def _build_prediction(self, answer: CropPrediction, agreement: float, before: Single) -> Prediction:
         found = np.zeros(self.values.shape[:2], np.bool_)

@@ -31,13 +31,8 @@ from cpm_core.objects.all_objects import choose_objects, find_likely_objects, pr
 from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.region_evidence import RegionEvidence
 from cpm_core.objects.selection import Candidate
+from tests.benchmarks.prior.pictures import unlearned
 from tests.benchmarks.prior.regression import curve, learned
-
-LEARNED = ("nuclei", "cats", "strawberries")
-"""Kinds that the network has learned from."""
-
-HELD_OUT = 5
-"""The first of so many images of such a kind, and every one so many later, was held out."""
 
 MOST = {"nuclei": 24, "embryos": 8, "strawberries": 8} | dict.fromkeys(
     ("cells_phase_t98g", "plant_nuclei_3d", "maize_kernels", "cakes_kuih"), 6
@@ -75,7 +70,7 @@ class Candidates(NamedTuple):
 
 def labeled_images(folder: Path) -> Iterator[tuple[cpm.Image, Index]]:
     """Some images of a folder, evenly among those that may be used."""
-    names = sorted(folder.glob("*_labels.png"))[:: HELD_OUT if folder.name in LEARNED else 1]
+    names = unlearned(folder)
     most = MOST.get(folder.name, MOST_OF_OTHERS)
     for name in names[:: max(len(names) // most, 1)][:most]:
         stem = name.name.removesuffix("_labels.png")

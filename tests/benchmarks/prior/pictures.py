@@ -19,6 +19,40 @@ from cpm_core.numerics.types import Mask, Pixels
 HELD_OUT = 5
 """The outlines of the first of so many images of a kind, and of every one so many later, are for measuring alone."""
 
+LEARNED = (
+    "axons_sem",
+    "cakes_kuih",
+    "cats",
+    "chloroplasts_em",
+    "circuit_boards",
+    "coating_layers",
+    "cutouts3d_animals",
+    "cutouts3d_food_plants",
+    "cutouts3d_objects",
+    "cutouts3d_vehicles_buildings",
+    "cutouts_freedoom",
+    "desk_objects",
+    "embryos",
+    "facades",
+    "flakes_2d_materials",
+    "granular_ore",
+    "maize_kernels",
+    "melt_pools",
+    "ms_lesions_mr",
+    "mushrooms_crop",
+    "nuclei",
+    "photo_objects_coco",
+    "plant_cells_confocal",
+    "plant_nuclei_3d",
+    "sand_gravel_grains",
+    "spinal_cord_mr",
+    "strawberries",
+    "strawberry_plant_parts",
+    "tomato_leaves",
+    "tree_limbs",
+)
+"""Kinds that the network has learned from; of all others, every image is for measuring."""
+
 SAMPLES = (
     "astronaut",
     "coffee",
@@ -97,6 +131,11 @@ def outlined(folders: Sequence[Path], chance: random.Random) -> dict[str, list[E
         most = max(OBJECTS_OF_AN_IMAGE, _OBJECTS_OF_A_KIND // max(len(kept), 1))
         kinds[folder.name] = [example for path in kept for example in objects_of(path, most, chance)]
     return kinds
+
+
+def unlearned(folder: Path) -> list[Path]:
+    """Files of labels of a folder that the network has not learned from."""
+    return sorted(folder.glob("*" + _LABELS))[:: HELD_OUT if folder.name in LEARNED else 1]
 
 
 def objects_of(path: Path, most: int, chance: random.Random) -> Iterator[Example]:

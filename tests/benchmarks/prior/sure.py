@@ -35,8 +35,8 @@ from tests.benchmarks.prior.regression import curve, learned
 from tests.benchmarks.prior.scenes import made_up
 
 CLICKS = 4
-EVERYWHERE = {"nuclei": 2, "strawberries": 2, "cats": 6}
-"""Of so many images that are held out, one is looked at everywhere."""
+EVERYWHERE = 8
+"""Images of a kind, at most, in which objects are found everywhere."""
 
 Row = tuple[str, str, confidence.ConfidenceFeatures, bool]
 """Kind of image, what has been done, what speaks for the answer, and whether it is right."""
@@ -44,8 +44,11 @@ Row = tuple[str, str, confidence.ConfidenceFeatures, bool]
 
 def held_out(folder: Path, chance: random.Random, most: int) -> list[pictures.Example]:
     """Objects of images of a folder that the prior has not learned from."""
-    labeled = sorted(folder.glob("*_labels.png"))[:: pictures.HELD_OUT]
-    found = [example for path in labeled for example in pictures.objects_of(path, pictures.OBJECTS_OF_AN_IMAGE, chance)]
+    found = [
+        example
+        for path in pictures.unlearned(folder)
+        for example in pictures.objects_of(path, pictures.OBJECTS_OF_AN_IMAGE, chance)
+    ]
     return chance.sample(found, min(most, len(found)))
 
 
@@ -109,7 +112,8 @@ def rows_of(kinds: dict[str, list[pictures.Example]], seed: int) -> Iterator[Row
 
 def rows_everywhere(folder: Path) -> Iterator[Row]:
     """What speaks for each of the objects of whole images, and whether it is one."""
-    for path in sorted(folder.glob("*_labels.png"))[:: pictures.HELD_OUT][:: EVERYWHERE.get(folder.name, 1)]:
+    paths = pictures.unlearned(folder)
+    for path in paths[:: max(len(paths) // EVERYWHERE, 1)][:EVERYWHERE]:
         image, labels = pictures.labeled(path)
         for found in cpm.select_all(cpm.Image(image)):
             yield folder.name, "everywhere", found.features, best_overlap(found.mask, labels) >= confidence.CORRECT_IOU
@@ -156,8 +160,8 @@ def write(rows: Sequence[Row], seed: int) -> None:
         "right": {name: round(float(right[kind == name].mean()), 3) for name in counts},
         "seed": seed,
         "script": "tests/benchmarks/prior/sure.py",
-        "data": "images held out as in prior/weights.md (nuclei CC0, cats public domain, strawberries MIT); scenes of "
-        "Open Clip Art (public domain) and made-up shapes",
+        "data": "images that the network has not learned from, with their terms in prior/weights.md; scenes of Open "
+        "Clip Art (public domain) and made-up shapes",
     }
     path = Path(confidence.__file__).with_suffix(".json")
     path.write_text(json.dumps(origin, indent=2) + "\n", "utf-8")

@@ -74,6 +74,17 @@ def test_a_click_in_an_ellipse_finds_it_without_any_contour(axes, bright):
     assert overlap(next(ObjectPredictor(values).predict_objects(Prompt(np.array([[60, 55]])))).mask, mask) > 0.85
 
 
+def test_a_point_in_a_narrow_bay_of_a_large_object_cuts_out_the_bay():
+    row, col = np.indices((400, 400))
+    disk = np.hypot(row - 200, col - 200) <= 170
+    bay = disk & (np.abs(col - 120) <= 4) & (row < 160)
+    values = 100.0 + 60.0 * ndi.gaussian_filter(1.0 * (disk & ~bay), 1.0)
+    values += np.random.default_rng(0).normal(0.0, 3.0, disk.shape)
+    prompt = Prompt(np.array([[250, 250]]), np.array([[115, 120]]), previous_mask=disk)
+    cut = disk & ~next(ObjectPredictor(values).predict_objects(prompt)).mask
+    assert overlap(cut & (np.abs(col - 120) <= 25) & (row < 185), bay) > 0.62
+
+
 def test_what_covers_most_of_the_image_comes_after_what_is_smaller_and_holds_the_click():
     prompt, seen = Prompt(np.array([[60, 55]])), []
 
