@@ -592,6 +592,10 @@ class Partition(drawing.Pictured):
         found = compute_outlines(mask[box], self._build_guides(box, corner))
         return tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
 
+    def predict_at_scales(self, pixel: Index, largest: float) -> Iterator[Prediction]:
+        """Predict by the network the object around a pixel, in crops of several sizes up to the largest [px]."""
+        return self._network.predict_at_scales(pixel, largest)
+
     def evaluate_mask(self, mask: Mask, inside: Array = NO_POINTS) -> Prediction:
         """Evaluate an object, shape (H, W), found otherwise, by the network, with points in it, shape (M, 2)."""
         pixels = np.rint(np.clip(inside, 0, np.array(mask.shape) - 1)).astype(np.int64)
