@@ -66,7 +66,7 @@ _MAX_NESTED_AREA = 0.6
 _MIN_CLUMP_AREA = 400
 """Least area of an object in which others are looked for [px²]."""
 
-_PART_COST = 0.3
+_PART_COST = 0.2
 """What an object costs, as a probability, where several take the place of one."""
 
 _MAX_SHARED_RIM = 0.3
@@ -213,11 +213,14 @@ def _choose_likeliest(rated: Iterable[Candidate], values: Array) -> list[Candida
     """
     ordered = _order_likely(rated)
     chosen = _choose_beside([], ordered, values)
-    for whole in sorted(chosen, key=lambda one: -one.region.size):
+    wholes = sorted(chosen, key=lambda one: -one.region.size)
+    while wholes:
+        whole = wholes.pop(0)
         others = [one for one in chosen if one is not whole]
         parts = _choose_beside(others, [one for one in ordered if is_part_of(one.region, whole.region)], values)
         if len(parts) > 1 and sum(one.confidence - _PART_COST for one in parts) > whole.confidence - _PART_COST:
             chosen = others + parts
+            wholes += parts
     return sorted(chosen, key=lambda one: -one.confidence)
 
 

@@ -202,6 +202,8 @@ class Partition(drawing.Pictured):
     True
     >>> bool(partition.evaluate_mask(chosen.mask).predicted_iou > 0.8)
     True
+    >>> bool(next(partition.predict_at_scales(np.array([32, 18]), 64.0)).mask[32, 18])
+    True
     >>> len(partition.outline_mask(chosen.mask))
     1
     >>> partition.complete_object(chosen.mask, 301.0).shape

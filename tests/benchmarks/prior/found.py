@@ -2,10 +2,10 @@
 
 ``python tests/benchmarks/prior/found.py --outlined FOLDER... [--seed 7]`` finds the candidates for objects
 in images with labels, and in made-up nets, crowds, shapes, metals and rosettes, and learns which of them overlap with a
-labeled object by 0.8 or more. Each kind, which is a folder, counts in proportion to the square root of its candidates. Of kinds that the
-network has learned from, only images that were held out are used. It writes the numbers with their origin to
-`confidence_everywhere.json`, and prints for each kind what is shown and what is right if it is left out, and how well
-the objects that are then found match those labeled.
+labeled object by 0.8 or more. Each kind, which is a folder, counts in proportion to the square root of its candidates.
+Of kinds that the network has learned from, only images that were held out are used. It writes the numbers with their
+origin to `confidence_everywhere.json`, and prints for each kind what is shown and what is right if it is left out, and
+how well the objects that are then found match those labeled.
 """
 
 from __future__ import annotations
