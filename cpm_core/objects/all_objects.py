@@ -1,9 +1,11 @@
 """All objects of an image: of the regions that edges bound, and what the network makes of them, the likeliest.
 
 Each region that may be an object, and what the network changes it to, is a candidate with a probability. The likeliest
-one is an object; then the likeliest of those that do not overlap with it, and so on. For what an unambiguous contour
-encloses without a neck the odds are the geometric mean of those of a region and of an object that was selected. Then
-the probabilities are corrected by how much each candidate resembles the others, and all is done once more.
+one is an object; then the likeliest of those that do not overlap with it, and so on, unless several in it count more
+together. In likely objects that may be several, as where leaves lie over one another, the network is asked for more
+candidates. For what an unambiguous contour encloses without a neck the odds are the geometric mean of those of a region
+and of an object that was selected. Then the probabilities are corrected by how much each candidate resembles the
+others, and all is done once more.
 """
 
 from __future__ import annotations
@@ -19,8 +21,9 @@ from cpm_core.image.region import Region
 from cpm_core.numerics.grids import bounding_window, enclose_windows, expand_window, find_largest_part
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Callback, Mask
-from cpm_core.objects.candidate_regions import CandidateRegions, is_brighter_outside
+from cpm_core.objects.candidate_regions import CandidateRegions, is_brighter_outside, is_part_of, may_be_several
 from cpm_core.objects.confidence import (
+    FAINT,
     ConfidenceFeatures,
     RegionFeatures,
     estimate_among_siblings,
@@ -59,6 +62,12 @@ _MIN_NESTED_SHARE = 0.95
 
 _MAX_NESTED_AREA = 0.6
 """Largest area of a nested object, as a fraction of the larger one's area."""
+
+_MIN_CLUMP_AREA = 400
+"""Least area of an object in which others are looked for [px²]."""
+
+_PART_COST = 0.2
+"""What an object costs, as a probability, where several take the place of one."""
 
 _MAX_SHARED_RIM = 0.3
 """Largest share of the boundary of a nested object that runs along the boundary of the larger one."""
@@ -105,10 +114,37 @@ def predict_candidates(evidence: RegionEvidence, check: Callback = lambda: None)
             predicted[number] = list(evidence.predict_candidates(found.regions[number]))
 
     run_in_parallel(predict, len(predicted), 1)
+    candidates = _keep_possible(predicted, found)
+    clumps = find_clumps(map(rate_candidate, candidates, evidence.measure_candidates(candidates)), found.values)
+    parts: list[list[Candidate]] = [[] for _ in clumps]
+
+    def predict_parts(first: int, end: int) -> None:
+        for number in range(first, end):
+            check()
+            parts[number] = list(evidence.predict_parts(clumps[number]))
+
+    run_in_parallel(predict_parts, len(parts), 1)
+    return candidates + _keep_possible(parts, found)
+
+
+def _keep_possible(predicted: Iterable[Iterable[Candidate]], found: CandidateRegions) -> list[Candidate]:
+    """Keep the candidates that may be objects beside the regions that were found."""
     return [
         one
         for one in itertools.chain.from_iterable(predicted)
         if one.region.size >= MIN_OBJECT_AREA and found.may_be_object(one.region)
+    ]
+
+
+def find_clumps(rated: Iterable[Candidate], values: Array) -> list[Region]:
+    """Find likely objects of an image, shape (H, W), that may be several objects."""
+    likely = _choose_beside([], _order_likely(rated), values)
+    return [
+        one.region
+        for one in likely
+        if one.confidence >= _MIN_SIBLING_CONFIDENCE
+        and one.region.size >= _MIN_CLUMP_AREA
+        and may_be_several(one.region)
     ]
 
 
@@ -122,7 +158,7 @@ def rate_candidate(candidate: Candidate, features: RegionFeatures) -> Candidate:
     if candidate.features is not None and features.unambiguous and not features.has_neck:
         selected = estimate_confidence(candidate.features._replace(unambiguous=True))
         found = float(scipy.special.expit(scipy.special.logit([found, selected]).mean()))
-    return candidate._replace(confidence=found)
+    return candidate._replace(strength=features.strength, confidence=found)
 
 
 def choose_objects(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
@@ -146,30 +182,63 @@ def find_likely_objects(rated: Iterable[Candidate], values: Array) -> list[Candi
     return [found for found in _choose_likeliest(rated, values) if found.confidence >= _MIN_SIBLING_CONFIDENCE]
 
 
-def weigh_siblings(rated: list[Candidate], likely: list[Candidate], values: Array) -> Iterator[tuple[float, float]]:
-    """Weigh the likely objects beside each candidate: with a sign that says whether edges rise alike, and without."""
+def weigh_siblings(
+    rated: list[Candidate], likely: list[Candidate], values: Array
+) -> Iterator[tuple[float, float, float]]:
+    """Weigh the likely objects beside each candidate.
+
+    Yields the sums of their weights with a sign that says whether edges rise alike, and without, and by how much the
+    boundary is weaker than theirs, as `estimate_among_siblings` takes them.
+    """
     rises = [is_brighter_outside(found.region, values) for found in likely]
-    for region in (one.region for one in rated):
+    strengths = [float(np.log(found.strength + FAINT)) for found in likely]
+    for one in rated:
+        region = one.region
         apart = [
-            (found.confidence**2, rise)
-            for found, rise in zip(likely, rises, strict=True)
+            (found.confidence**2, rise, strength)
+            for found, rise, strength in zip(likely, rises, strengths, strict=True)
             if region.count_shared(found.region) <= _MAX_OVERLAP * min(region.size, found.region.size)
         ]
         own = bool(apart) and is_brighter_outside(region, values)
-        yield sum(weight if rise == own else -weight for weight, rise in apart), sum(weight for weight, _ in apart)
+        amount = sum(weight for weight, _, _ in apart)
+        usual = sum(weight * strength for weight, _, strength in apart)
+        weakness = max(usual - amount * float(np.log(one.strength + FAINT)), 0.0)
+        yield sum(weight if rise == own else -weight for weight, rise, _ in apart), amount, weakness
 
 
 def _choose_likeliest(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
-    """Choose the likeliest candidate, the likeliest of those that do not overlap with it, and so on."""
-    chosen: list[Candidate] = []
-    for one in sorted(rated, key=lambda one: -one.confidence):
-        likeliest = chosen[0].confidence if chosen else 0.0
-        if one.confidence < max(_MIN_CONFIDENCE, _MIN_RELATIVE_CONFIDENCE * likeliest):
-            break
-        region = _fit_between(one, [found.region for found in chosen], values)
+    """Choose the likeliest candidate, the likeliest of those that do not overlap with it, and so on.
+
+    Then one in which others lie that are more than one object together gives way to these.
+    """
+    ordered = _order_likely(rated)
+    chosen = _choose_beside([], ordered, values)
+    wholes = sorted(chosen, key=lambda one: -one.region.size)
+    while wholes:
+        whole = wholes.pop(0)
+        others = [one for one in chosen if one is not whole]
+        parts = _choose_beside(others, [one for one in ordered if is_part_of(one.region, whole.region)], values)
+        if len(parts) > 1 and sum(one.confidence - _PART_COST for one in parts) > whole.confidence - _PART_COST:
+            chosen = others + parts
+            wholes += parts
+    return sorted(chosen, key=lambda one: -one.confidence)
+
+
+def _order_likely(rated: Iterable[Candidate]) -> list[Candidate]:
+    """Order the candidates that are likely enough to be objects, the likeliest first."""
+    ordered = sorted(rated, key=lambda one: -one.confidence)
+    least = max(_MIN_CONFIDENCE, _MIN_RELATIVE_CONFIDENCE * ordered[0].confidence) if ordered else 0.0
+    return [one for one in ordered if one.confidence >= least]
+
+
+def _choose_beside(chosen: list[Candidate], ordered: list[Candidate], values: Array) -> list[Candidate]:
+    """Choose candidates, the likeliest of which come first, that may be objects beside those chosen before."""
+    found: list[Candidate] = []
+    for one in ordered:
+        region = _fit_between(one, [other.region for other in itertools.chain(chosen, found)], values)
         if region is not None:
-            chosen.append(one._replace(region=region))
-    return chosen
+            found.append(one._replace(region=region))
+    return found
 
 
 def _fit_between(candidate: Candidate, chosen: list[Region], values: Array) -> Region | None:

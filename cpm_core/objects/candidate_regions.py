@@ -6,9 +6,10 @@ merged basins of the edge map. Most are no objects, and many nearly the same.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 import scipy
@@ -59,6 +60,13 @@ _MIN_BODY_SHARE = 0.1
 
 _MAX_CUT_SHARE = 0.5
 """Largest share of the outer boundary of a region that may run along the border of the regions of interest."""
+
+
+_MIN_SINGLE_SOLIDITY = 0.9
+"""Solidity below which a region may be several objects."""
+
+NECK_SOLIDITY = 0.97
+"""Solidity from which a region has no neck."""
 
 
 def is_brighter_outside(region: Region, values: Array) -> bool:
@@ -126,10 +134,12 @@ class CandidateRegions:
                 found.pierced.append(region)
         pixels = math.prod(whole)
         outer = [one.region for one in enclosed if one.region.size <= _MAX_WHOLE_SHARE * pixels]
+        several = functools.cache(may_be_several)
         merged = (
             one
             for one in _fill_masks(parts.merged_masks, partition)
-            if not any(_is_part_of(one.region, other) or _is_joined_from(one.region, other) for other in outer)
+            if not any(is_part_of(one.region, other) and not several(other) for other in outer)
+            and not any(_is_joined_from(one.region, other) for other in outer)
         )
         for one in itertools.chain(bounded, merged):
             found._add_region(one, _MAX_REGION_SHARE * pixels)
@@ -179,14 +189,14 @@ def _is_pierced(region: Region, values: Array) -> bool:
     return abs(seen - outer) < _MAX_HOLE_DIFFERENCE * abs(seen - inner)
 
 
-def _is_part_of(part: Region, whole: Region) -> bool:
+def is_part_of(part: Region, whole: Region) -> bool:
     """Return whether a region lies in another that is larger."""
     return whole.size >= _MIN_WHOLE_AREA * part.size and part.count_shared(whole) >= _PART_SHARE * part.size
 
 
 def _is_joined_from(whole: Region, part: Region) -> bool:
     """Return whether another region, and not merely a small one, lies in a region."""
-    return part.size >= _MIN_JOINED_SHARE * whole.size and _is_part_of(part, whole)
+    return part.size >= _MIN_JOINED_SHARE * whole.size and is_part_of(part, whole)
 
 
 def _find_enclosed_regions(parts: ImageParts) -> Iterator[Candidate]:
@@ -230,6 +240,18 @@ def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[Region]:
     mask &= interest[tuple(map(slice, corner.tolist(), end.tolist()))]
     if mask.any():
         yield Region.from_mask(mask, corner)
+
+
+def measure_solidity(region: Region) -> float:
+    """Measure the area of a region with its holes, in areas of its convex hull."""
+    find_hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
+    return float(region.filled.size / np.count_nonzero(find_hull(region.mask)))
+
+
+def may_be_several(region: Region) -> bool:
+    """Return whether a region may be several objects that touch: far from convex, or with a neck."""
+    solidity = measure_solidity(region)
+    return solidity < _MIN_SINGLE_SOLIDITY or (solidity < NECK_SOLIDITY and has_neck(region))
 
 
 def has_neck(region: Region) -> bool:

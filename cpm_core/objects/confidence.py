@@ -174,12 +174,13 @@ def estimate_body_confidence(signs: BodyFeatures) -> float:
     return min(float(scipy.special.expit(np.array(weights) @ encode_body(signs) + offset)), _MAX_CONFIDENCE)
 
 
-def encode_siblings(confidence: float, agreement: float, amount: float) -> Array:
-    """Encode what the siblings of a region say as inputs of the logistic regression, shape (3,)."""
-    return np.array([scipy.special.logit(confidence), *np.array([agreement, amount]) / (amount + _FEW_SIBLINGS)])
+def encode_siblings(confidence: float, agreement: float, amount: float, weakness: float) -> Array:
+    """Encode what the siblings of a region say as inputs of the logistic regression, shape (4,)."""
+    said = np.array([agreement, amount, weakness]) / (amount + _FEW_SIBLINGS)
+    return np.array([scipy.special.logit(confidence), *said])
 
 
-def estimate_among_siblings(confidence: float, agreement: float, amount: float) -> float:
+def estimate_among_siblings(confidence: float, agreement: float, amount: float, weakness: float) -> float:
     """Estimate the probability that a region found everywhere is an object beside others that are likely.
 
     Parameters
@@ -188,9 +189,11 @@ def estimate_among_siblings(confidence: float, agreement: float, amount: float) 
         The probability without them.
     agreement, amount : float
         Sum of their weights, negative for those at whose edges the gray levels change the other way; without a sign.
+    weakness : float
+        By how much its boundary is weaker than theirs on average, as a logarithm times the sum of their weights.
     """
     *weights, offset = _load_weights("confidence_everywhere.json", "siblings")
-    odds = np.array(weights) @ encode_siblings(confidence, agreement, amount) + offset
+    odds = np.array(weights) @ encode_siblings(confidence, agreement, amount, weakness) + offset
     return min(float(scipy.special.expit(odds)), _MAX_CONFIDENCE)
 
 

@@ -202,6 +202,8 @@ class Partition(drawing.Pictured):
     True
     >>> bool(partition.evaluate_mask(chosen.mask).predicted_iou > 0.8)
     True
+    >>> bool(next(partition.predict_at_scales(np.array([32, 18]), 64.0)).mask[32, 18])
+    True
     >>> len(partition.outline_mask(chosen.mask))
     1
     >>> partition.complete_object(chosen.mask, 301.0).shape
@@ -591,6 +593,10 @@ class Partition(drawing.Pictured):
         box, corner = _padded_box(mask)
         found = compute_outlines(mask[box], self._build_guides(box, corner))
         return tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
+
+    def predict_at_scales(self, pixel: Index, largest: float) -> Iterator[Prediction]:
+        """Predict by the network the object around a pixel, in crops of several sizes up to the largest [px]."""
+        return self._network.predict_at_scales(pixel, largest)
 
     def evaluate_mask(self, mask: Mask, inside: Array = NO_POINTS) -> Prediction:
         """Evaluate an object, shape (H, W), found otherwise, by the network, with points in it, shape (M, 2)."""

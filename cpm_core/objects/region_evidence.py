@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -10,10 +11,11 @@ import skimage
 
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import Window, expand_window, find_largest_part
-from cpm_core.numerics.types import Extent, Mask, record
-from cpm_core.objects.candidate_regions import has_neck
+from cpm_core.numerics.types import Extent, Index, Mask, record
+from cpm_core.objects.candidate_regions import NECK_SOLIDITY, has_neck, is_part_of, measure_solidity
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures
 from cpm_core.objects.image_parts import ImageParts
+from cpm_core.objects.merged_basins import MIN_OBJECT_AREA
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Candidate
 
@@ -23,8 +25,20 @@ _MARGIN = 5
 _INNER_DEPTH = 3.5
 """Depth from which edges are those of the inside, not of the boundary [px]."""
 
-_NECK_SOLIDITY = 0.97
-"""Solidity from which a region has no neck."""
+_EDGE_PERCENTILE = 65.0
+"""Percentile of the edge strength in a region above which edges part it."""
+
+_MIN_TOP_HEIGHT = 0.75
+"""How much deeper a place between edges is than the way to the next [px]."""
+
+_MAX_PLACES = 24
+"""Largest number of places at which the parts of a region are predicted."""
+
+_MAX_CROP_SHARE = 0.75
+"""Largest side of a crop in which a part is predicted, as a fraction of the side of the region."""
+
+_SAME_PART_IOU = 0.8
+"""Overlap (intersection over union) from which two parts are the same."""
 
 _TINY = 1e-6
 """Least strength, or difference of gray levels, that others are divided by."""
@@ -68,19 +82,54 @@ class RegionEvidence:
             changed, has_holes = Region.from_mask(find_largest_part(mask)), region.filled != region
             yield Candidate(changed if has_holes else changed.filled, features, likelihood=found.predicted_iou)
 
+    def predict_parts(self, whole: Region) -> Iterator[Candidate]:
+        """Predict what the network finds in a region that may be several objects, around places between its edges."""
+        window = expand_window(whole.window, 1, self.partition.shape)
+        mask, strength = whole.cut_out(window), self.parts.edge_strength[window]
+        edges = strength > np.percentile(strength[mask], _EDGE_PERCENTILE)
+        depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(mask & ~edges), 1.0)
+        tops = skimage.morphology.h_maxima(depth, _MIN_TOP_HEIGHT) > 0  # type: ignore[no-untyped-call]
+        tops, count = scipy.ndimage.label(tops, np.ones((3, 3)))
+        places = np.array(scipy.ndimage.maximum_position(depth, tops, range(1, count + 1)), np.int64).reshape(-1, 2)
+        deepest = places[np.argsort(-depth[tuple(places.T)], kind="stable")][:_MAX_PLACES]
+        largest = _MAX_CROP_SHARE * max(mask.shape)
+        found = []
+        for pixel in deepest + [side.start for side in window]:
+            for answer in self.partition.predict_at_scales(pixel, largest):
+                inside = _find_part_at(answer.mask & self.partition.interest, pixel)
+                if inside.any():
+                    part = Region.from_mask(inside).filled
+                    if is_part_of(part, whole) and part.size >= MIN_OBJECT_AREA:
+                        found.append((answer.predicted_iou * answer.mean_certainty, part))
+        known: list[Region] = []
+        for _, part in sorted(found, key=lambda one: -one[0]):
+            if all(part.compute_iou(one) < _SAME_PART_IOU for one in known):
+                known.append(part)
+                yield from self.predict_candidates(Candidate(part))
+
     def measure_candidates(self, candidates: Sequence[Candidate]) -> list[RegionFeatures]:
         """Measure what the confidence of each candidate is estimated from, among all candidates of the image."""
         best = np.zeros(self.partition.shape)
         for one in candidates:
             there = best[one.region.window]
             np.maximum(there, np.where(one.region.mask, one.likelihood, 0.0), out=there)
+        for one in candidates:
+            if one not in self._measured:
+                self._measured[one] = self._measure_region(one)
         return [
-            self._measure_region(one, float(best[one.region.window][one.region.mask].mean()) - one.likelihood)
+            self._measured[one]._replace(
+                rivalry=float(best[one.region.window][one.region.mask].mean()) - one.likelihood
+            )
             for one in candidates
         ]
 
-    def _measure_region(self, candidate: Candidate, rivalry: float) -> RegionFeatures:
-        """Measure a candidate whose pixels others hold with a likelihood that is larger by `rivalry`."""
+    @cached_property
+    def _measured(self) -> dict[Candidate, RegionFeatures]:
+        """What was measured of candidates, except for their rivalry."""
+        return {}
+
+    def _measure_region(self, candidate: Candidate) -> RegionFeatures:
+        """Measure a candidate, except for its rivalry."""
         region, partition = candidate.region, self.partition
         window = expand_window(region.window, _MARGIN, partition.shape)
         mask, values, strength = region.cut_out(window), partition.values[window], self.parts.edge_strength[window]
@@ -90,13 +139,12 @@ class RegionEvidence:
         along = scipy.ndimage.maximum_filter(strength, 3)[rim]
         usual, weak = np.percentile(along, [50.0, _WEAK_PERCENTILE]) if along.size else (0.0, 0.0)
         likely = candidate.features or ConfidenceFeatures(point_count=0)
-        find_hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
-        solidity = region.filled.size / np.count_nonzero(find_hull(region.mask))
+        solidity = measure_solidity(region)
         return RegionFeatures(
             likely.predicted_iou,
             likely.mean_certainty,
             likely.iou_to_previous,
-            rivalry,
+            0.0,
             region.size,
             solidity,
             border / (border + along.size),
@@ -105,8 +153,14 @@ class RegionEvidence:
             float(np.percentile(deep, _STRONG_PERCENTILE)) / max(usual, _TINY) if deep.size else 1.0,
             float(values[mask].std()) / self.parts.gray_span,
             candidate.unambiguous,
-            bool(solidity < _NECK_SOLIDITY) and has_neck(region),
+            solidity < NECK_SOLIDITY and has_neck(region),
         )
+
+
+def _find_part_at(mask: Mask, pixel: Index) -> Mask:
+    """Find the part of a mask, shape (H, W), that holds a pixel; empty where it holds none."""
+    parts, _ = scipy.ndimage.label(mask)
+    return np.asarray((parts == parts[tuple(pixel)]) & mask) if mask[tuple(pixel)] else np.zeros_like(mask)
 
 
 def _count_border_pixels(mask: Mask, window: Window, shape: Extent) -> int:

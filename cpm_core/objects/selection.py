@@ -147,6 +147,8 @@ class Candidate(NamedTuple):
         Whether an unambiguous contour encloses it.
     likelihood : float
         Overlap with an object that the network predicts.
+    strength : float
+        Mean edge strength along its boundary, in differences between white and black [1 / px].
     confidence : float
         Probability that it is an object.
     """
@@ -155,6 +157,7 @@ class Candidate(NamedTuple):
     features: ConfidenceFeatures | None = None
     unambiguous: bool = False
     likelihood: float = 0.0
+    strength: float = 0.0
     confidence: float = 0.0
 
 

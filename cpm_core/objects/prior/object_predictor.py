@@ -240,6 +240,15 @@ class ObjectPredictor:
             if len(distinct) == MAX_PREDICTIONS:
                 return
 
+    def predict_at_scales(self, pixel: Index, largest: float) -> Iterator[Prediction]:
+        """Predict the object around a pixel in crops of several sizes up to the largest [px], without refinement."""
+        prompt = Prompt(pixel[None])
+        for crop in self._propose_crops(prompt):
+            if crop.side > largest:
+                return
+            answer = self._predict_crop(crop, prompt, None)
+            yield self._build_prediction(answer, 1.0, answer.probability)
+
     def evaluate_mask(self, mask: Mask, inside: Index) -> Prediction:
         """Evaluate an object, shape (H, W), that was found otherwise and holds pixels, shape (M, 2), by the network."""
         prompt = Prompt(inside, previous_mask=mask)

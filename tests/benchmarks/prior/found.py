@@ -1,11 +1,11 @@
 """How sure an object found everywhere is: the numbers of `estimate_region_confidence` are learned here.
 
 ``python tests/benchmarks/prior/found.py --outlined FOLDER... [--seed 7]`` finds the candidates for objects
-in images with labels, and in made-up nets, crowds and shapes, and learns which of them overlap with a labeled object by
-0.8 or more. Each kind, which is a folder, counts in proportion to the square root of its candidates. Of kinds that the
-network has learned from, only images that were held out are used. It writes the numbers with their origin to
-`confidence_everywhere.json`, and prints for each kind what is shown and what is right if it is left out, and how well
-the objects that are then found match those labeled.
+in images with labels, and in made-up nets, crowds, shapes, metals and rosettes, and learns which of them overlap with a
+labeled object by 0.8 or more. Each kind, which is a folder, counts in proportion to the square root of its candidates.
+Of kinds that the network has learned from, only images that were held out are used. It writes the numbers with their
+origin to `confidence_everywhere.json`, and prints for each kind what is shown and what is right if it is left out, and
+how well the objects that are then found match those labeled.
 """
 
 from __future__ import annotations
@@ -52,7 +52,8 @@ SOURCES = (
     "axons_sem (AxonDeepSeg, MIT), cells_phase_t98g (Usiigaci, MIT), superalloy_precipitates (NASA, MIT), "
     "chloroplasts_em (WSU PlantBio ML, MIT), plant_cells_confocal and plant_nuclei_3d (PlantSeg, EMBL, MIT), "
     "sand_gravel_grains (segmenteverygrain, Apache-2.0); embryos, flakes_2d_materials, cakes_kuih, maize_kernels, "
-    "granular_ore, mushrooms_crop and nanocrystals_sem (Roboflow Universe, CC BY 4.0); made-up nets, crowds and shapes"
+    "granular_ore, mushrooms_crop and nanocrystals_sem (Roboflow Universe, CC BY 4.0); "
+    "made-up nets, crowds, shapes, metals and rosettes"
 )
 """Images and their terms."""
 
@@ -140,6 +141,50 @@ def made_up_shapes(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
     return shown(values if rng.random() < 0.6 else 235 - values, rng), labels
 
 
+def made_up_metals(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
+    """Grains between dark lines that differ in contrast and have gaps, with scratches."""
+    count = int(rng.integers(20, 110))
+    places = np.indices((SIDE, SIDE))
+    labels = scipy.spatial.cKDTree(rng.uniform(0, SIDE, (count, 2))).query(np.moveaxis(places, 0, -1))[1] + 1
+    low, high = scipy.ndimage.minimum_filter(labels, 5), scipy.ndimage.maximum_filter(labels, 5)
+    boundary = scipy.ndimage.morphological_gradient(labels, 2) > 0
+    line = np.exp(-((scipy.ndimage.distance_transform_edt(~boundary) / rng.uniform(1.0, 2.0)) ** 2))
+    pairs, number = np.unique(high * (count + 2) + low, return_inverse=True)
+    contrast = rng.uniform(30, 110) * np.clip(rng.normal(1.0, rng.uniform(0.05, 0.35), len(pairs)), 0.15, 2.0)
+    strength = contrast[number].reshape(labels.shape)
+    where = np.argwhere(boundary)
+    for row, col in where[rng.integers(0, len(where), int(rng.integers(0, 20)))].tolist():
+        away = (places[0] - row) ** 2 + (places[1] - col) ** 2
+        strength *= 1.0 - np.exp(-away / rng.uniform(2, 16))
+    values = rng.uniform(150, 200) + rng.normal(0, rng.uniform(1, 22), count + 1)[labels] - strength * line
+    for _ in range(int(rng.integers(0, 8))):
+        ends = rng.integers(0, SIDE, 4).tolist()
+        values[skimage.draw.line(*ends)] += rng.choice([-1.0, 1.0]) * rng.uniform(10, 50)
+    return shown(values, rng), labels
+
+
+def made_up_rosettes(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
+    """Leaves with midribs that lie over one another around a middle, on soil."""
+    rows, cols = np.indices((SIDE, SIDE)) - SIDE / 2 + rng.uniform(-20, 20, (2, 1, 1))
+    soil = scipy.ndimage.gaussian_filter(rng.normal(size=(SIDE, SIDE)), 2.5)
+    values, labels = rng.uniform(40, 80) + 9.0 * soil / soil.std(), np.zeros((SIDE, SIDE), np.int64)
+    count, largest, level = int(rng.integers(5, 14)), rng.uniform(0.2, 0.42) * SIDE, rng.uniform(110, 175)
+    for number in range(count):
+        turn = np.deg2rad(137.5) * number + rng.normal(0, 0.12)
+        length = largest * (1.0 - 0.65 * number / count) * rng.uniform(0.85, 1.15)
+        along = (rows * np.sin(turn) + cols * np.cos(turn)) / length - rng.uniform(0.05, 0.4)
+        across = cols * np.sin(turn) - rows * np.cos(turn)
+        half = length * rng.uniform(0.28, 0.45) * np.sqrt(np.clip(4.0 * along * (1.0 - along), 0.0, None))
+        leaf = abs(across) < half
+        rim = np.clip(scipy.ndimage.distance_transform_edt(leaf) / 4.0, 0.0, 1.0)
+        halves = 1.0 + rng.uniform(-0.03, 0.03) * np.sign(across)
+        rib = rng.uniform(8, 30) * np.exp(-((across / rng.uniform(0.9, 1.8)) ** 2))
+        values *= 1.0 - rng.uniform(0.05, 0.3) * scipy.ndimage.gaussian_filter(leaf.astype(float), 2.5)
+        values = np.where(leaf, level * rng.uniform(0.88, 1.08) * (0.88 + 0.12 * rim) * halves + rib, values)
+        labels[leaf] = number + 1
+    return shown(values, rng), labels
+
+
 def shown(values: Array, rng: np.random.Generator) -> cpm.Image:
     """An image of values, blurred, unevenly lit and noisy."""
     light = scipy.ndimage.gaussian_filter(rng.normal(size=values.shape), 25)
@@ -163,7 +208,9 @@ def candidates_of(kind: str, image: cpm.Image, labels: Index) -> Candidates:
         common = np.bincount(labels[one.region.window][one.region.mask], minlength=len(areas))
         overlap = common / (one.region.size + areas - common)
         right[number] = overlap[1:].max(initial=0.0) >= confidence.CORRECT_IOU
-    return Candidates(kind, labels, evidence, found, evidence.measure_candidates(found), right)
+    signs = evidence.measure_candidates(found)
+    found = [one._replace(strength=each.strength) for one, each in zip(found, signs, strict=True)]
+    return Candidates(kind, labels, evidence, found, signs, right)
 
 
 def stacked(images: Sequence[Candidates]) -> tuple[Array, Array, Array]:
@@ -184,14 +231,14 @@ def weigh_kinds(sizes: Sequence[tuple[str, int]]) -> Array:
 
 
 def beside_siblings(image: Candidates, numbers: Array) -> Array:
-    """Encoded features of the candidates of an image beside those that are likely by some numbers, shape (N, 3)."""
+    """Encoded features of the candidates of an image beside those that are likely by some numbers, shape (N, 4)."""
     likely = likely_by(image, numbers).tolist()
     rated = [one._replace(confidence=each) for one, each in zip(image.candidates, likely, strict=True)]
     values = image.evidence.partition.values
     weights = weigh_siblings(rated, find_likely_objects(rated, values), values)
     return np.array(
         [confidence.encode_siblings(one.confidence, *each) for one, each in zip(rated, weights, strict=True)]
-    ).reshape(-1, 3)
+    ).reshape(-1, 4)
 
 
 def likely_by(image: Candidates, numbers: Array) -> Array:
@@ -242,7 +289,8 @@ def read_given(
 
 def main() -> None:
     """Find candidates, learn, print and write."""
-    learn_numbers(*read_given(__doc__, candidates_of, (made_up_nets, made_up_crowds, made_up_shapes), MADE_UP))
+    makers = made_up_nets, made_up_crowds, made_up_shapes, made_up_metals, made_up_rosettes
+    learn_numbers(*read_given(__doc__, candidates_of, makers, MADE_UP))
 
 
 def learn_numbers(images: Sequence[Candidates], seed: int) -> None:

@@ -100,9 +100,24 @@ def test_a_leaf_that_fills_half_of_the_image_is_the_likeliest_object_whole_with_
 
 
 def test_what_resembles_likely_objects_is_likelier_than_what_does_not():
-    alone = estimate_among_siblings(0.4, 0.0, 0.0)
-    alike, unlike = (estimate_among_siblings(0.4, sign * 2.0, 2.0) for sign in (1.0, -1.0))
+    alone = estimate_among_siblings(0.4, 0.0, 0.0, 0.0)
+    alike, unlike = (estimate_among_siblings(0.4, sign * 2.0, 2.0, 0.0) for sign in (1.0, -1.0))
     assert unlike < alike > alone
+    assert estimate_among_siblings(0.4, 2.0, 2.0, 2.0) < alike
+
+
+def test_leaves_that_lie_over_one_another_are_objects_and_not_the_whole_plant():
+    plant, levels = np.zeros(ROW.shape, int), np.full(ROW.shape, 50.0)
+    for number, turn in enumerate(np.deg2rad(72.0 * np.arange(5)), 1):
+        along = (ROW - 60) * np.sin(turn) + (COL - 65) * np.cos(turn)
+        across = (COL - 65) * np.sin(turn) - (ROW - 60) * np.cos(turn)
+        leaf = ((along - 28) / 26) ** 2 + (across / 19) ** 2 < 1
+        plant[leaf] = number
+        levels = np.where(leaf, 130.0 + 14.0 * number + 15.0 * (abs(across) < 1), levels)
+    found = select_all(picture(levels))
+    overlaps = best_overlaps(found, [plant == number for number in range(1, 6)])
+    assert np.count_nonzero(np.array(overlaps) > 0.5) >= 4
+    assert max(compute_iou(one.mask, plant > 0) for one in found) < 0.5
 
 
 def test_an_object_that_is_alone_in_its_image_stays_as_likely_as_it_is():
