@@ -177,7 +177,7 @@ def _run_in_processes(
     """
     try:
         pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _initialize_worker, (cores_each,))
-    except OSError as error:  # as in a container whose /dev/shm cannot be written
+    except OSError as error:  # as in a container without shared memory
         raise ValueError(
             f"Other processes cannot be started ({error.strerror}), which need shared memory: use one worker."
         ) from error

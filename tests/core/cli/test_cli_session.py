@@ -121,7 +121,7 @@ def test_an_image_whose_process_dies_is_tried_once_more_and_the_others_go_on(dis
 
 def test_where_no_process_can_be_started_one_worker_is_advised(tmp_path, command, disks, monkeypatch):
     def refuse(*_):
-        raise PermissionError(errno.EACCES, "Permission denied")  # as where /dev/shm cannot be written
+        raise PermissionError(errno.EACCES, "Permission denied")  # as without shared memory
 
     monkeypatch.setattr(workers, "ProcessPoolExecutor", refuse)
     monkeypatch.setattr(workers, "is_compiled", lambda: True)
