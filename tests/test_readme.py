@@ -102,4 +102,5 @@ def test_each_command_stands_on_one_line_and_the_continuous_check_runs_those_tha
         ["python3 -m venv .venv && .venv/bin/pip install -e '.[test]' && .venv/bin/python -m pytest"],
         [".venv/bin/python -m mypy"],
     ]
-    assert len(re.findall(r"^sudo apt-get install -y ", TEXT, flags=re.MULTILINE)) == 1
+    (libraries,) = re.findall(r"^sudo apt-get install -y .*", TEXT, flags=re.MULTILINE)
+    assert libraries in PAGES["docs/start.md"]

@@ -143,7 +143,7 @@ class StatusLine:
 def ensure_compiled() -> None:
     """Compile the kernels of a run in advance if necessary, and tell the user."""
     if not is_compiled():
-        print_note("the inner loops are compiled for this computer, once; the run begins in some ten seconds.")
+        print_note("the inner loops are compiled for this computer, once; the run begins in ten to twenty seconds.")
         with StatusLine() as line:
             warm_up(on_progress=lambda done: line.show_text(f"compiling: {done:.0%}"), parts=FIRST)
 

@@ -50,8 +50,10 @@ class CliParser(argparse.ArgumentParser):
     def __init__(self, usual: str = "", **settings: Any) -> None:
         super().__init__(**{"formatter_class": _Formatter, "allow_abbrev": False, "add_help": False, **settings})
         self._usual = {f"--{name}" for name in usual.split()}
-        what = f"Show this help; --help {_ALL} has all options in full." if usual else "Show this help."
-        self.add_argument("-h", "--help", nargs="?", metavar=_ALL, action=_HelpAction, help=what)
+        self._whole_help = f"--help {_ALL}" if usual else "--help"
+        what = f"Show this help; {self._whole_help} has all options in full." if usual else "Show this help."
+        takes_all: dict[str, Any] = {"nargs": "?", "metavar": _ALL} if usual else {"nargs": 0}
+        self.add_argument("-h", "--help", action=_HelpAction, help=what, **takes_all)
         # argparse would take -50,-50,3, -1e-3 and -.csv for options
         self._negative_number_matcher = re.compile(r"-(?:\.?\d|\.\w|inf|nan)", re.IGNORECASE)
 
@@ -84,7 +86,7 @@ class CliParser(argparse.ArgumentParser):
                 return
             if name.startswith("--") and name not in self._option_string_actions:
                 near = suggest_name(name, self._option_string_actions)
-                raise ValueError(f"{self.prog} has no option {name}: {near or f'see {self.prog} --help {_ALL}.'}")
+                raise ValueError(f"{self.prog} has no option {name}: {near or f'see {self.prog} {self._whole_help}.'}")
 
     def error(self, message: str) -> NoReturn:
         """Raise ValueError with a message of argparse."""

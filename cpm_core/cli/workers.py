@@ -175,7 +175,12 @@ def _run_in_processes(
 
     When a process dies, the jobs in progress have no row, and the others stay in the list.
     """
-    pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _initialize_worker, (cores_each,))
+    try:
+        pool = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _initialize_worker, (cores_each,))
+    except OSError as error:  # as in a container without shared memory
+        raise ValueError(
+            f"Other processes cannot be started ({error.strerror}), which need shared memory: use one worker."
+        ) from error
     working: dict[Future[BatchRow], BatchJob] = {}
     broken = False
     try:

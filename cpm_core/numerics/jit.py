@@ -55,7 +55,7 @@ def _numba() -> Any:
 
 @cache
 def _announce() -> None:
-    _LOG.info("Inner loops are compiled for this computer, once, which takes some ten seconds.")
+    _LOG.info("Inner loops are compiled for this computer, once, which takes ten to twenty seconds.")
 
 
 class _LazyKernel:

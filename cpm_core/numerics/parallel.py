@@ -18,7 +18,7 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
-from threadpoolctl import ThreadpoolController
+from threadpoolctl import OpenBLASController, ThreadpoolController
 
 _PARTS_PER_THREAD = 2
 """Number of parts for each thread."""
@@ -58,6 +58,11 @@ _blas_limits: list[Any] = []
 """The limit of `limit_blas`, once for each thread that is within it."""
 
 
+def _free_blas() -> None:
+    """Let any thread set the limit: newer releases of threadpoolctl ignore all but the first that did so."""
+    getattr(OpenBLASController, "clear_controlling_thread", lambda **_: None)(force=True)
+
+
 @contextmanager
 def limit_blas() -> Iterator[None]:
     """Compute products of matrices on the calling thread alone within this context.
@@ -66,6 +71,7 @@ def limit_blas() -> Iterator[None]:
     running, a product then takes many times as long.
     """
     with _blas_lock:
+        _free_blas()
         _blas_limits.append(_blas_limits[0] if _blas_limits else _find_blas().limit(limits=1, user_api="blas"))
     try:
         yield
@@ -73,7 +79,9 @@ def limit_blas() -> Iterator[None]:
         with _blas_lock:
             limit = _blas_limits.pop()
             if not _blas_limits:  # the last thread, since the limit is that of the process
+                _free_blas()
                 limit.restore_original_limits()
+                _free_blas()
 
 
 _helpers = lru_cache(maxsize=1)(lambda: ThreadPoolExecutor(max(1, count_cores() - 1), "cpm-share"))

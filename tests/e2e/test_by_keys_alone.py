@@ -111,10 +111,12 @@ def go_back_and_forward(window: MainWindow, keys: Keys) -> None:
 
 def select_and_name_an_object(window: MainWindow, keys: Keys) -> None:
     """With the cross-hair."""
-    session, workspace = window.session, window.workspace
+    session, workspace, selection = window.session, window.workspace, window.workspace.object_selection
     keys.press(KEY.Key_W)
-    keys.wait(lambda: workspace.object_selection.ready)
-    keys.press(KEY.Key_Escape, KEY.Key_Return)  # drop what is offered, show the cross-hair
+    keys.wait(lambda: selection.idle and selection.offer_is_known and bool(selection.proposals))
+    keys.press(KEY.Key_X)
+    keys.wait(lambda: selection.idle and not selection.proposals)
+    keys.press(KEY.Key_Return)  # show the cross-hair
     crosshair = window.canvas_area.crosshair
     keys.wait(lambda: crosshair.position is not None)
     for _ in range(6):

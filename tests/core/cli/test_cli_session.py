@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import multiprocessing
 import shutil
 import sys
@@ -116,6 +117,20 @@ def test_an_image_whose_process_dies_is_tried_once_more_and_the_others_go_on(dis
     found = sorted((job.number, row.trouble) for job, row in workers.run_locally(jobs, 2))
     assert killed
     assert found == [(0, ""), (1, ""), (2, "")]
+
+
+def test_where_no_process_can_be_started_one_worker_is_advised(tmp_path, command, disks, monkeypatch):
+    def refuse(*_):
+        raise PermissionError(errno.EACCES, "Permission denied")  # as without shared memory
+
+    monkeypatch.setattr(workers, "ProcessPoolExecutor", refuse)
+    monkeypatch.setattr(workers, "is_compiled", lambda: True)
+    save_session(SessionFile(shapes=(Circle(CENTERS[0], 6.0),)), tmp_path / "a.cpm")
+    other = shutil.copy(disks, tmp_path / "other.png")
+    line = ("batch", disks, other, "--session", tmp_path / "a.cpm", "--output", tmp_path / "o", "--workers", 2)
+    status, _, err = command(*line)
+    assert status == 2
+    assert err.endswith("cannot be started (Permission denied), which need shared memory: use one worker.\n")
 
 
 class Cluster:

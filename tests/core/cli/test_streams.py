@@ -111,6 +111,7 @@ def test_help_fits_one_screen_and_all_of_it_is_in_sentences(name, capsys, monkey
         shown.append(capsys.readouterr().out)
     assert len(shown[0].splitlines()) <= 50
     assert len(shown[0]) <= len(shown[1])
+    assert (shown[0] != shown[1]) == ("--help [all]" in shown[0])
     (commands,) = (action for action in cli.build_parser()._actions if action.choices)
     for action in commands.choices[name]._actions:
         assert action.help[0].isupper() and action.help[-1] in ".)", action.help

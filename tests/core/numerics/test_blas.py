@@ -1,6 +1,7 @@
 """Products of matrices keep to the thread that asks for them, and leave the process as it was."""
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -33,6 +34,17 @@ def test_two_threads_that_overlap_leave_the_limit_of_the_process_as_it_was():
         assert set(count_blas_threads()) == {1}
         second.__exit__(None, None, None)
         assert count_blas_threads() == before
+
+
+def test_the_limit_holds_on_whichever_thread_asks_for_it():
+    with ThreadPoolExecutor(1) as living, threadpoolctl.threadpool_limits(2, "blas"):
+        before = count_blas_threads()
+        for submit in (living.submit, ThreadPoolExecutor(1).submit):
+            limit = limit_blas()
+            submit(limit.__enter__).result()
+            assert set(count_blas_threads()) == {1}
+            submit(limit.__exit__, None, None, None).result()
+            assert count_blas_threads() == before
 
 
 def click():

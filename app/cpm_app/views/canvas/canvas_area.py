@@ -177,6 +177,8 @@ class CanvasArea(QWidget):
             tool.finish()
         elif self._can_accept:
             self._selection.do_in_order(self._workspace.object_commands.accept_pending)
+        elif not (self._selection.offer_is_known or self._selection.idle):  # nor is there a search that was canceled
+            self._session.messages.show(tr("The objects of the run are still being found: wait until they are shown."))
         else:
             return False
         return True

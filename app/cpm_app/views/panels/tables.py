@@ -291,8 +291,8 @@ class TableModel(QAbstractTableModel, Generic[Row]):
 class SortableTable(QTableView):
     """Table whose rows are sorted by a click on a heading.
 
-    If it is too narrow for all columns, the last ones are hidden, not scrolled; the user shows
-    and hides columns by the menu of the header. The column `wide` takes the remaining width.
+    If it is too narrow for all columns, those without any value are hidden, then the last ones, not scrolled; the user
+    shows and hides columns by the menu of the header. The column `wide` takes the remaining width.
     """
 
     def __init__(self, rows: TableModel[Any], wide: str, name: str) -> None:
@@ -369,7 +369,12 @@ class SortableTable(QTableView):
         """Show the columns for which there is room."""
         asked = sum(self._widths[index] for index, on in self._columns_set_by_user.items() if on)
         room = self.viewport().width() - self._widths[self._stretched_column] - asked
-        for index, needed in enumerate(self._widths):
+        items = self.rows.items
+        empty = [
+            column.icon is None and bool(items) and all(column.value(item) is None for item in items)
+            for column in self.rows.columns
+        ]
+        for index, needed in sorted(enumerate(self._widths), key=lambda each: empty[each[0]]):
             shown = self._columns_set_by_user.get(index, index == self._stretched_column)
             if not shown and index not in self._columns_set_by_user:
                 room -= needed
@@ -458,6 +463,7 @@ class ItemTable(SortableTable):
     def _update_now(self) -> None:
         self._stale, self._showing = False, True
         self.update_rows()
+        self._fit_columns()
         self._showing = False
         self.show_selection()
 

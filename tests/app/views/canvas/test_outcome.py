@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 
 import pytest
@@ -33,6 +34,23 @@ def test_objects_that_were_found_are_counted_and_enter_accepts_them(ready, hand)
     hand.key(KEY.Key_Return)
     assert len(ready.session.document.objects.items) == 1
     assert "Enter accepts" not in ready.canvas_area.hint.text()
+
+
+def test_enter_draws_nothing_while_the_objects_of_a_run_are_being_found(ready, hand, monkeypatch) -> None:
+    shown = threading.Event()
+    monkeypatch.setattr(object_selection, "find_proposals", lambda *given: shown.wait() and find_proposals(*given))
+    selection = ready.workspace.object_selection
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: not selection.offer_is_known and not selection.idle)
+    with hand.qtbot.waitSignal(ready.session.messages.shown) as said:
+        hand.key(KEY.Key_Return)
+    assert said.args[0].startswith("The objects of the run are still being found")
+    assert ready.canvas_area.crosshair.position is None
+    shown.set()
+    hand.wait(lambda: selection.idle and selection.offer_is_known)
+    hand.key(KEY.Key_Return)
+    assert len(ready.session.document.objects.items) == 1
 
 
 def test_the_tool_speaks_again_once_it_is_chosen(ready, hand) -> None:

@@ -54,6 +54,23 @@ def test_a_ruler_an_angle_and_an_ellipse_show_what_they_measure_and_are_undone_o
     assert window.session.document.shapes == (ruler,)
 
 
+def test_a_narrow_table_shows_what_there_is_before_what_no_measure_has(window, hand) -> None:
+    hand.key(KEY.Key_Z)
+    hand.drag((20, 22), (30, 30), (44, 42))
+    window.docks.reveal_panel("measures")
+    table = window.get_feature(MeasuresFeature).table
+    hand.wait(lambda: bool(table.rows.items))
+
+    def shown(width):
+        table.resize(width, 200)
+        return [one.name for at, one in enumerate(table.rows.columns) if not table.isColumnHidden(at)]
+
+    names = [one.name for one in table.rows.columns]
+    assert shown(2000) == names
+    width = next(width for width in range(2000, 0, -10) if len(shown(width)) == 5)
+    assert shown(width) == ["name", "mean", "deviation", "area", "pixels"]
+
+
 def test_handles_and_bodies_of_measures_are_dragged(window, hand) -> None:
     draw_all(hand)
     hand.key(KEY.Key_S)
