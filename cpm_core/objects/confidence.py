@@ -116,12 +116,15 @@ class BodyFeatures(NamedTuple):
         Number of its voxels.
     cut_share : float
         Share of its surface that is the end of the volume.
+    gap_share : float
+        Share of the rest of its surface across which gray levels hardly rise.
     """
 
     steadiness: float
     solidity: float
     volume: float
     cut_share: float
+    gap_share: float
 
 
 def encode_features(signs: ConfidenceFeatures) -> Array:
@@ -172,6 +175,16 @@ def estimate_body_confidence(signs: BodyFeatures) -> float:
     """Estimate the probability that a body of a volume is an object."""
     *weights, offset = _load_weights("confidence_bodies.json")
     return min(float(scipy.special.expit(np.array(weights) @ encode_body(signs) + offset)), _MAX_CONFIDENCE)
+
+
+def encode_choice(signs: BodyFeatures) -> Array:
+    """Encode what tells the body that a click means from others around it, shape (3,)."""
+    return np.array([signs.solidity, np.log(signs.volume), signs.gap_share])
+
+
+def rank_body(signs: BodyFeatures) -> float:
+    """Return how much likelier than others around a click a body is to be meant [difference of logarithms]."""
+    return float(np.array(_load_weights("confidence_bodies.json", "choice")) @ encode_choice(signs))
 
 
 def encode_siblings(confidence: float, agreement: float, amount: float) -> Array:
