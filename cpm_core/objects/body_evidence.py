@@ -14,7 +14,7 @@ import scipy
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.background import measure_edge_steps
 from cpm_core.objects.boundaries.necks import split_at_necks
-from cpm_core.objects.confidence import BodyFeatures, estimate_body_confidence, rank_body
+from cpm_core.objects.confidence import BodyFeatures, ChoiceFeatures, estimate_body_confidence, rank_body
 from cpm_core.objects.selection import Selection
 
 _MIN_SOLIDITY = 0.75
@@ -41,7 +41,19 @@ def split_at_clear_necks(mask: Mask, sides: Array) -> list[Mask]:
 
 def find_meant_body(found: Sequence[Selection]) -> Selection:
     """Find which of some bodies around a click is meant: a compact one with edges all around, rather a small one."""
-    return max(found, key=lambda one: rank_body(measure_body(one)) if one.has_boundary else -np.inf)
+    return max(found, key=lambda one: rank_body(measure_choice(one)) if one.has_boundary else -np.inf)
+
+
+def measure_choice(found: Selection) -> ChoiceFeatures:
+    """Measure what tells whether a body around a click is meant; by its surface alone, since this is fast."""
+    surface, image = found.surface, found.image
+    if surface is None or image is None:
+        raise ValueError("a body without voxels, or of an unknown volume, cannot be measured.")
+    steps = measure_edge_steps(image.values, surface)
+    rises = steps * np.sign(np.median(steps)) if len(steps) else steps
+    volume = max(surface.volume / float(np.prod(surface.spacing)), 1.0)
+    gaps = np.count_nonzero(rises < _MIN_RELATIVE_STEP * np.median(rises)) / len(rises) if len(rises) else 1.0
+    return ChoiceFeatures(volume / float(scipy.spatial.ConvexHull(surface.vertices).volume), volume, gaps)
 
 
 def rate_body(found: Selection) -> Selection:
@@ -56,14 +68,12 @@ def measure_body(found: Selection) -> BodyFeatures:
         raise ValueError("a body without voxels, or of an unknown volume, cannot be measured.")
     steps = measure_edge_steps(image.values, surface)
     deviation = float(steps.std()) if len(steps) else 0.0
-    rises = steps * np.sign(np.median(steps)) if len(steps) else steps
     volume = float(found.region.count)
     return BodyFeatures(
         steadiness=abs(float(steps.mean())) / deviation if deviation else 1.0,
         solidity=volume / _measure_hull(found.region.mask),
         volume=volume,
         cut_share=1.0 - len(steps) / len(surface.vertices),
-        gap_share=float(np.mean(rises < _MIN_RELATIVE_STEP * np.median(rises))) if len(steps) else 1.0,
     )
 
 

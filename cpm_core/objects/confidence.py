@@ -116,14 +116,29 @@ class BodyFeatures(NamedTuple):
         Number of its voxels.
     cut_share : float
         Share of its surface that is the end of the volume.
-    gap_share : float
-        Share of the rest of its surface across which gray levels hardly rise.
     """
 
     steadiness: float
     solidity: float
     volume: float
     cut_share: float
+
+
+class ChoiceFeatures(NamedTuple):
+    """Features of a body around a click that tell whether it is meant, rather than others there.
+
+    Attributes
+    ----------
+    solidity : float
+        The volume within its surface, in volumes of its convex hull.
+    volume : float
+        The volume within its surface [voxels].
+    gap_share : float
+        Share of its surface across which gray levels hardly rise.
+    """
+
+    solidity: float
+    volume: float
     gap_share: float
 
 
@@ -177,12 +192,12 @@ def estimate_body_confidence(signs: BodyFeatures) -> float:
     return min(float(scipy.special.expit(np.array(weights) @ encode_body(signs) + offset)), _MAX_CONFIDENCE)
 
 
-def encode_choice(signs: BodyFeatures) -> Array:
+def encode_choice(signs: ChoiceFeatures) -> Array:
     """Encode what tells the body that a click means from others around it, shape (3,)."""
     return np.array([signs.solidity, np.log(signs.volume), signs.gap_share])
 
 
-def rank_body(signs: BodyFeatures) -> float:
+def rank_body(signs: ChoiceFeatures) -> float:
     """Return how much likelier than others around a click a body is to be meant [difference of logarithms]."""
     return float(np.array(_load_weights("confidence_bodies.json", "choice")) @ encode_choice(signs))
 

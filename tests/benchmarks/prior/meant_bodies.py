@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 import cpm_core as cpm
 from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.objects import confidence
-from cpm_core.objects.body_evidence import measure_body
+from cpm_core.objects.body_evidence import measure_choice
 from tests.benchmarks.prior.bodies import KINDS, body
 from tests.benchmarks.touching_nuclei import draw_nuclei
 
@@ -129,7 +129,7 @@ def candidates(seed: int) -> Iterator[tuple[str, Array, Mask]]:
             if one.has_boundary
         ]
         ious = [np.count_nonzero(one.mask & inside) / np.count_nonzero(one.mask | inside) for one in found]
-        features = np.array([confidence.encode_choice(measure_body(one)) for one in found])
+        features = np.array([confidence.encode_choice(measure_choice(one)) for one in found])
         yield kind, features, np.array(ious) >= confidence.CORRECT_IOU
 
 

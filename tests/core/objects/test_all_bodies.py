@@ -44,7 +44,7 @@ def test_a_body_whose_parts_are_not_convex_stays_whole():
 
 
 def test_a_steady_convex_body_is_likelier_than_a_ragged_speck():
-    sure, doubtful = BodyFeatures(4.0, 0.94, 3000.0, 0.0, 0.0), BodyFeatures(0.8, 0.6, 40.0, 0.0, 0.3)
+    sure, doubtful = BodyFeatures(4.0, 0.94, 3000.0, 0.0), BodyFeatures(0.8, 0.6, 40.0, 0.0)
     assert estimate_body_confidence(sure) > 0.8
     assert estimate_body_confidence(doubtful) < 0.4
 

@@ -59,6 +59,7 @@ class Menus:
                 inner.setToolTipsVisible(True)
                 inner.aboutToShow.connect(partial(refill_submenu, inner, spec))
                 menu.aboutToShow.connect(partial(_show_obstacle, inner, spec))
+                menu.setToolTipsVisible(True)
             else:
                 menu.addAction(actions[spec.name])
 
