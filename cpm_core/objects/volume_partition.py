@@ -120,8 +120,11 @@ class VolumePartition:
     ((31, 31, 31), 1, [1], '')
     >>> bodies.values.shape, bool(bodies.interest.all()), bodies.voxel_sides.tolist()
     ((31, 31, 31), True, [1.0, 1.0, 1.0])
-    >>> len(bodies.find_candidates([(15, 15, 15)]))
-    1
+    >>> len(bodies.find_candidates([(15, 15, 15)])), len(bodies.split_body(1))
+    (1, 1)
+    >>> center = np.array([(15.0, 15.0, 15.0)])
+    >>> bodies.knows_bodies(center), bodies.predict_around(center)[0].contains(center).tolist()
+    (True, [True])
     >>> chosen = bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
     >>> chosen
     <Selection ball, 1 part>
@@ -338,13 +341,16 @@ class VolumePartition:
                         painted = painted if left.is_empty else left
         if painted is not None:
             return replace(self.build_selection(painted, inside, outside), remark=remark)
-        image, shown = self.image, body
+        return self._build_selection(self._extract_surface(body, within, beyond), inside, outside, remark, body)
+
+    def _extract_surface(self, body: BodyPrediction, within: Array, beyond: Array) -> Surface:
+        """Extract the surface of a body in the regions of interest."""
+        image, size, shown = self.image, self._predictor.voxel_sides, body
         if self._interest is not None:
             shown = replace(body, logits=np.minimum(body.logits, logits_from_mask(self._interest, size, body.crop)))
-        surface = extract_body_surface(
+        return extract_body_surface(
             shown, image.values, size, within, beyond, image.spacing, image.unit, self._interest
         )
-        return self._build_selection(surface, inside, outside, remark, body)
 
     def _find_change(self, before: BodyPrediction, after: BodyPrediction, place: Array) -> Region:
         """Find the voxels near a point in which a body differs from what it was before the point."""
@@ -404,8 +410,11 @@ class VolumePartition:
         key = tuple(place[0].tolist())
         if key not in self._predicted_around:
             (at,) = self._clip_points(place) * self._predictor.voxel_sides
-            nothing = np.empty((0, 3))
-            found = [self._correct_body(body, place, nothing, "") for body in self._predictor.predict_bodies(at)]
+            found = []
+            for body in self._predictor.predict_bodies(at):
+                surface = self._extract_surface(body, self._clip_points(place), np.empty((0, 3)))
+                region = Region(surface=surface) if len(surface.faces) else NO_VOXELS
+                found.append(replace(self.build_selection(region, place), prediction=body))
             meant = find_meant_body(found)
             self._predicted_around.clear()
             self._predicted_around[key] = (meant, *(one for one in found if one is not meant))
