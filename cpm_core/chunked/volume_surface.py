@@ -16,11 +16,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.chunked.chunked_contours import ChunkedTask, chunk_file_name
+from cpm_core.chunked.chunked_contours import OBJECTS_KIND, chunk_file_name
 from cpm_core.chunked.grid import Chunk, ChunkedSource, ChunkGrid
 from cpm_core.chunked.image_statistics import ImageStatistics
 from cpm_core.chunked.run import Compute, map_chunks
-from cpm_core.chunked.volume_run import VOLUME_CHUNK_SIDE, ChunkedVolume, run_particles
+from cpm_core.chunked.volume_run import ChunkedVolume
 from cpm_core.formats.images.ome_zarr import create_multiscale, write_window
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import (
@@ -272,18 +272,26 @@ class ChunkedBodies:
     volume : Volume
         The chunks.
     table : dict of ndarray
-        Columns: number, volume and area in units of length, center (plane, row, col) [voxels].
+        Columns: number, volume and area in units of length, center (plane, row, col) and box [voxels]; of objects
+        their confidence.
     first_part : ndarray of int64
         First part of each chunk.
     body_of_part : ndarray of int64
-        Number of the body of each part; 0 outside.
+        Number of the body of each part; 0 outside, and in bodies that are split.
+    object_numbers : tuple of ndarray of int64
+        Numbers of the objects of each chunk; empty where bodies are not split into objects.
     """
 
     volume: ChunkedVolume
     table: JsonDict
     first_part: Index
     body_of_part: Index
-    kind = "bodies"
+    object_numbers: tuple[Index, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """What was found."""
+        return OBJECTS_KIND if self.object_numbers else "bodies"
 
     @property
     def count(self) -> int:
@@ -322,20 +330,12 @@ class ChunkedBodies:
         return np.where(inside != outside, inside, 0)
 
 
-def run_volume(task: ChunkedTask, compute: Compute, side: int = VOLUME_CHUNK_SIDE) -> ChunkedBodies:
-    """Find all bodies; what the store holds of a run with the same settings is not found again."""
-    task.store.open_run({**task.settings, "side": side, "shape": task.source.shape})
-    heights = compute_heights(*run_particles(task, compute, side), compute)
-    find_necks(heights, compute)
-    return assemble_bodies(heights, compute)
-
-
 def assemble_bodies(heights: EdgeHeights, compute: Compute) -> ChunkedBodies:
     """Assemble the bodies of a volume from the height over its edges."""
     volume = heights.volume
     parts = _NumberedRegions(volume, _PART_ARRAY)
     parts.compute_chunks(partial(_number_chunk_parts, parts, heights), compute, "bodies")
-    known = [parts.load_chunk(chunk.number, "inside", "rim", "pairs", "sums") for chunk in volume.grid.chunks]
+    known = [parts.load_chunk(chunk.number, "inside", "rim", "pairs", "sums", "boxes") for chunk in volume.grid.chunks]
     counts = np.array([len(one["inside"]) for one in known])
     first = np.cumsum([0, *counts])
     group = parts.join_regions(counts)
@@ -348,6 +348,7 @@ def assemble_bodies(heights: EdgeHeights, compute: Compute) -> ChunkedBodies:
     pairs, pair = np.unique(local.reshape(-1, 2), axis=0, return_inverse=True)
     sums = np.zeros((len(pairs), 8))
     np.add.at(sums, pair.ravel(), np.concatenate([one["sums"] for one in known]))
+    boxes = np.concatenate([one["boxes"] for one in known])
     *measures, corners, supported, particles = sums.T
     kept = has_enough_support(particles.astype(np.int64), supported / np.maximum(corners, 1))
     body = _assign_bodies(pairs, kept, inside, outer)
@@ -362,8 +363,17 @@ def assemble_bodies(heights: EdgeHeights, compute: Compute) -> ChunkedBodies:
         "volume": total[order],
         "area": area[order],
         "center": np.stack([moment[order] / total[order] for moment in moments], axis=1),
+        "box": _unite_boxes(boxes, body[local[:, 0]] * kept[pair.ravel()], outer + 1)[order],
     }
     return ChunkedBodies(volume, table, first, number[body[group]])
+
+
+def _unite_boxes(boxes: Array, group: Index, count: int) -> Array:
+    """Unite the boxes, shape (N, 2, 3), of each group, shape (count, 2, 3)."""
+    united = np.tile(np.array([[[np.inf], [-np.inf]]]), (count, 1, 3))
+    np.minimum.at(united[:, 0], group, boxes[:, 0])
+    np.maximum.at(united[:, 1], group, boxes[:, 1])
+    return united
 
 
 def _assign_bodies(pairs: Index, kept: Mask, inside: Mask, outer: int) -> Index:
@@ -457,5 +467,6 @@ def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels
         "faces": names[faces],
         "pair_of_face": of_face,
         "pairs": pairs,
+        "boxes": _unite_boxes(vertices[:, None].repeat(2, axis=1), pair, count),
         "sums": np.stack(sums, axis=1),
     }

@@ -12,7 +12,7 @@ from cpm_core.chunked import grid, results, volume_results
 from cpm_core.chunked.chunked_contours import ChunkedTask
 from cpm_core.chunked.run import run_chunks
 from cpm_core.chunked.store import RunStore
-from cpm_core.chunked.volume_surface import run_volume
+from cpm_core.chunked.volume_objects import run_volume
 from cpm_core.cli.output import OutputFiles, StatusLine, ensure_compiled, print_notes, print_report
 from cpm_core.cli.run_request import RunRequest
 from cpm_core.cli.workers import connect_to_dask, map_until_finished, run_on_one_core

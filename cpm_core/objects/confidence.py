@@ -124,6 +124,24 @@ class BodyFeatures(NamedTuple):
     cut_share: float
 
 
+class ChoiceFeatures(NamedTuple):
+    """Features of a body around a click that tell whether it is meant, rather than others there.
+
+    Attributes
+    ----------
+    solidity : float
+        The volume within its surface, in volumes of its convex hull.
+    volume : float
+        The volume within its surface [voxels].
+    gap_share : float
+        Share of its surface across which gray levels hardly rise.
+    """
+
+    solidity: float
+    volume: float
+    gap_share: float
+
+
 def encode_features(signs: ConfidenceFeatures) -> Array:
     """Encode the features as inputs of the logistic regression, shape (7,)."""
     shares = scipy.special.logit(np.clip(signs[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
@@ -172,6 +190,16 @@ def estimate_body_confidence(signs: BodyFeatures) -> float:
     """Estimate the probability that a body of a volume is an object."""
     *weights, offset = _load_weights("confidence_bodies.json")
     return min(float(scipy.special.expit(np.array(weights) @ encode_body(signs) + offset)), _MAX_CONFIDENCE)
+
+
+def encode_choice(signs: ChoiceFeatures) -> Array:
+    """Encode what tells the body that a click means from others around it, shape (3,)."""
+    return np.array([signs.solidity, np.log(signs.volume), signs.gap_share])
+
+
+def rank_body(signs: ChoiceFeatures) -> float:
+    """Return how much likelier than others around a click a body is to be meant [difference of logarithms]."""
+    return float(np.array(_load_weights("confidence_bodies.json", "choice")) @ encode_choice(signs))
 
 
 def encode_siblings(confidence: float, agreement: float, amount: float, weakness: float) -> Array:

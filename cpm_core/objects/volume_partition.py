@@ -2,17 +2,18 @@
 
 A body is a connected part of the volume without the surface: the inside of a surface, or the space between two, such as
 the wall of a shell, or the hollow in it. Its boundary consists of the components of the surface next to it; its volume
-and area are measured on triangles, not on voxels. A click selects the body that it lies in, further positive points add
-other bodies, and negative ones remove bodies. Where no surface encloses a click, a network answers that has learned
-from outlined images (`prior.body_predictor`), and further clicks correct its answer.
+and area are measured on triangles, not on voxels. A click selects the body that it lies in, or where it is several that
+touch the one of these, further positive points add other bodies, and negative ones remove bodies. Where no surface
+encloses a click, a network answers that has learned from outlined images (`prior.body_predictor`), and further clicks
+correct its answer: of several bodies around the first one, the one that is meant most probably
+(`body_evidence.find_meant_body`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import replace
-from functools import cached_property
-from itertools import islice
+from functools import cached_property, reduce
 from typing import Protocol
 
 import numpy as np
@@ -24,10 +25,11 @@ from cpm_core.image.image import Image
 from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface, voxelize_surface
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
-from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
+from cpm_core.numerics.grids import ConnectedParts, expand_window, find_connected_parts
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.background import lies_in_background
+from cpm_core.objects.body_evidence import find_meant_body, split_at_clear_necks
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -39,7 +41,7 @@ from cpm_core.objects.prior.body_predictor import BodyPredictor
 from cpm_core.objects.prior.body_surface import extract_body_surface
 from cpm_core.objects.prior.crops import CROP_SIDE, resample_with_tent
 from cpm_core.objects.prior.larger_models import model_title
-from cpm_core.objects.prior.server import ServedVolume
+from cpm_core.objects.prior.server import ServedVolume, split_lassos
 from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, EXCLUDED_POINT_REMARK, Selection, keep_last_marks
 from cpm_core.parameters.formatting import format_repr, format_size
 
@@ -118,8 +120,11 @@ class VolumePartition:
     ((31, 31, 31), 1, [1], '')
     >>> bodies.values.shape, bool(bodies.interest.all()), bodies.voxel_sides.tolist()
     ((31, 31, 31), True, [1.0, 1.0, 1.0])
-    >>> len(bodies.find_candidates([(15, 15, 15)]))
-    1
+    >>> len(bodies.find_candidates([(15, 15, 15)])), len(bodies.split_body(1))
+    (1, 1)
+    >>> center = np.array([(15.0, 15.0, 15.0)])
+    >>> bodies.knows_bodies(center), bodies.predict_around(center)[0].contains(center).tolist()
+    (True, [True])
     >>> chosen = bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
     >>> chosen
     <Selection ball, 1 part>
@@ -191,9 +196,10 @@ class VolumePartition:
 
     def select(
         self,
-        inside: ArrayLike,
+        inside: ArrayLike = (),
         outside: ArrayLike = (),
         *,
+        box: ArrayLike = (),
         previous: Selection | None = None,
         excluded: Mask | None = None,
     ) -> Selection:
@@ -203,6 +209,9 @@ class VolumePartition:
         ----------
         inside, outside : array_like, shape (M, 3) and (K, 3)
             Positive and negative points (plane, row, col) [voxels]. One outside the volume is moved to its border.
+        box : array_like, shape (2, 3)
+            Two opposite corners of a box around the body, for a server to answer; it is given again with further
+            points.
         previous : Selection, optional
             The selection before; the points are added to its own.
         excluded : ndarray of bool, shape (P, R, C), optional
@@ -216,33 +225,36 @@ class VolumePartition:
         Raises
         ------
         ValueError
-            When points are not planes, rows and columns, or the excluded voxels are not those of the volume.
+            When points are not planes, rows and columns, the excluded voxels are not those of the volume, or a box
+            does not have two corners, or has no server.
         """
-        within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
+        within, beyond, corners = (as_positions(given, "planes, rows and columns") for given in (inside, outside, box))
+        if len(corners) not in (0, 2):
+            raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
+        if len(corners) and not self.model:
+            raise ValueError("A box in a volume is for a server of nnInteractive: name its address, or give points.")
         if excluded is not None:
             if excluded.shape != self.shape:
                 shapes = format_size(excluded.shape), format_size(self.shape)
                 raise ValueError("the excluded voxels are {} but the volume is {}.".format(*shapes))
             free = ~excluded[tuple(self._find_nearest_voxels(within).T)]
-            found = self.remove_pixels(self.select(within[free], beyond, previous=previous), excluded)
+            found = self.remove_pixels(self.select(within[free], beyond, box=corners, previous=previous), excluded)
             return found if free.all() else replace(found, remark=EXCLUDED_POINT_REMARK)
         if previous is not None:
             within, beyond = _append_new_points(previous.inside, within), _append_new_points(previous.outside, beyond)
-        painted = None
-        if previous is not None and previous.has_boundary and previous.region.pixels is not None:
-            painted = previous.region if previous.prediction is None else None  # else cut by excluded voxels
-        wanted, unwanted = self.find_body_numbers(within), self.find_body_numbers(beyond)
-        chosen = np.setdiff1d(wanted, unwanted)
-        if not len(within):
+        painted = None if previous is None or not self._is_painted(previous) else previous.region
+        wanted, unwanted = self._find_parts(within), self._find_parts(beyond)
+        chosen = set(wanted).difference(unwanted)
+        if not len(within) and not len(corners):
             found = self._build_selection(None, within, beyond, _NO_POINT_REMARK)
-        elif wanted.all() and len(chosen) and painted is None:
-            remark = _CONFLICTING_BODY_REMARK if np.isin(wanted, unwanted).any() else ""
-            found = self._build_selection(self.extract_boundary(chosen), within, beyond, remark)
+        elif None not in wanted and chosen and painted is None and not len(corners):
+            remark = _CONFLICTING_BODY_REMARK if not chosen.issuperset(wanted) else ""
+            found = replace(self.build_selection(self._unite_parts(chosen), within, beyond), remark=remark)
         else:
-            found = self._select_by_network(within, beyond, previous, painted)
+            found = self._select_by_network(within, beyond, corners, previous, painted)
             begins = previous is None or not previous.has_boundary
             surface = found.surface
-            if begins and surface is not None and lies_in_background(self.values, within[0], surface):
+            if begins and surface is not None and len(within) and lies_in_background(self.values, within[0], surface):
                 found = self._build_selection(None, within, beyond, found.remark)
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
@@ -256,21 +268,28 @@ class VolumePartition:
     ) -> tuple[Selection, ...]:
         """Find the different bodies that points, shape (M, 3) [voxels], may mean, from the smallest to the largest.
 
-        One of them is the result of `select`, which has the same parameters. The others are predictions in crops of
-        other sizes around the first positive point.
+        One of them is the result of `select`, which has the same parameters. The others are the body that surfaces
+        enclose around the first positive point, before it was split, and what the network predicts there.
         """
         first = self.select(inside, outside, previous=previous, excluded=excluded)
         found = [first]
         if len(first.inside):
-            for body in self._predict_bodies(first.inside[:1]):
-                other = self._correct_body(body, first.inside, first.outside, "")
-                other = other if excluded is None else self.remove_pixels(other, excluded)
-                if other.has_boundary and all(is_different_body(other.size, one.size) for one in found):
-                    found.append(other)
+            others = [
+                self._correct_body(around.prediction, first.inside, first.outside, "")
+                for around in self.predict_around(first.inside[:1])
+                if around.prediction is not None
+            ]
+            number = self.find_body_numbers(first.inside[:1])
+            if number.all():
+                others.insert(0, self.build_selection(Region(surface=self.extract_boundary(number)), first.inside))
+            for other in others:
+                left = other if excluded is None else self.remove_pixels(other, excluded)
+                if left.has_boundary and all(is_different_body(left.size, one.size) for one in found):
+                    found.append(left)
         return tuple(sorted(found, key=lambda one: one.size))
 
     def _select_by_network(
-        self, inside: Array, outside: Array, previous: Selection | None, painted: Region | None
+        self, inside: Array, outside: Array, box: Array, previous: Selection | None, painted: Region | None
     ) -> Selection:
         """Select a body by the network, starting from what was selected before, or by a server."""
         newer = np.arange(len(inside)) >= (len(inside) if previous is None else len(previous.inside))
@@ -280,21 +299,29 @@ class VolumePartition:
             here, there = (self._interest[tuple(self._find_nearest_voxels(given).T)] for given in (within, beyond))
             remark = remark if here.all() and there.all() else _OUTSIDE_INTEREST_REMARK
             within, beyond = within[here], beyond[there]
-        if not len(within):
+        if not len(within) and not len(box):
             return self._build_selection(None, inside, outside, remark)
         size = self._predictor.voxel_sides
         if self.model and painted is None:
-            mask = self._served_volume.answer(*map(self._find_nearest_voxels, (within, beyond)))
+            given = (split_lassos(self._find_nearest_voxels(places), self.shape) for places in (within, beyond))
+            (held, around), (apart, away) = given
+            lassos = [*((area, True) for area in around), *((area, False) for area in away)]
+            mask = self._served_volume.answer(held, apart, lassos, self._find_nearest_voxels(box))
             if not mask.any():
                 return self._build_selection(None, inside, outside, remark)
-            found = self._correct_body(body_from_mask(mask, size), within, beyond, remark)
+            places = (
+                held.astype(float) if len(held) else np.array([Region.from_mask(mask).find_innermost_pixel(self.shape)])
+            )
+            found = self._correct_body(body_from_mask(mask, size), places, apart.astype(float), remark)
             return replace(found, inside=inside, outside=outside, model=model_title(self.model))
         if previous is not None and previous.prediction is not None:
             body = previous.prediction
         elif previous is not None and previous.has_boundary:
             body = body_from_mask(previous.mask, size)
         else:
-            body = self._predict_bodies(within[:1], 1)[0]
+            meant = self.predict_around(within[:1])[0].prediction
+            assert meant is not None
+            body = meant
         found = self._correct_body(body, within, beyond, remark, painted)
         return replace(found, inside=inside, outside=outside)
 
@@ -314,13 +341,16 @@ class VolumePartition:
                         painted = painted if left.is_empty else left
         if painted is not None:
             return replace(self.build_selection(painted, inside, outside), remark=remark)
-        image, shown = self.image, body
+        return self._build_selection(self._extract_surface(body, within, beyond), inside, outside, remark, body)
+
+    def _extract_surface(self, body: BodyPrediction, within: Array, beyond: Array) -> Surface:
+        """Extract the surface of a body in the regions of interest."""
+        image, size, shown = self.image, self._predictor.voxel_sides, body
         if self._interest is not None:
             shown = replace(body, logits=np.minimum(body.logits, logits_from_mask(self._interest, size, body.crop)))
-        surface = extract_body_surface(
+        return extract_body_surface(
             shown, image.values, size, within, beyond, image.spacing, image.unit, self._interest
         )
-        return self._build_selection(surface, inside, outside, remark, body)
 
     def _find_change(self, before: BodyPrediction, after: BodyPrediction, place: Array) -> Region:
         """Find the voxels near a point in which a body differs from what it was before the point."""
@@ -372,20 +402,27 @@ class VolumePartition:
                 region = region.without(beyond).united(within)
         return replace(self.build_selection(region, inside, outside), remark=remark, prediction=prediction)
 
-    def _predict_bodies(self, place: Array, count: int | None = None) -> list[BodyPrediction]:
-        """Predict the bodies around a point, shape (1, 3), the most plausible one first: all, or at most `count`."""
-        (at,) = self._clip_points(place) * self._predictor.voxel_sides
-        key = tuple(at.tolist())
-        # taken out for as long as bodies are predicted, since no two threads may resume one generator
-        bodies, rest = self._bodies_at_last_point.pop(key, ([], self._predictor.predict_bodies(at)))
-        bodies += islice(rest, None if count is None else max(count - len(bodies), 0))
-        self._bodies_at_last_point.clear()
-        self._bodies_at_last_point[key] = bodies, rest
-        return bodies[:count]
+    def predict_around(self, place: Array) -> tuple[Selection, ...]:
+        """Predict the bodies around a point, shape (1, 3), the one that it means first, each with its prediction.
+
+        A point means one of several bodies, which differ in size, or are parts of each other.
+        """
+        key = tuple(place[0].tolist())
+        if key not in self._predicted_around:
+            (at,) = self._clip_points(place) * self._predictor.voxel_sides
+            found = []
+            for body in self._predictor.predict_bodies(at):
+                surface = self._extract_surface(body, self._clip_points(place), np.empty((0, 3)))
+                region = Region(surface=surface) if len(surface.faces) else NO_VOXELS
+                found.append(replace(self.build_selection(region, place), prediction=body))
+            meant = find_meant_body(found)
+            self._predicted_around.clear()
+            self._predicted_around[key] = (meant, *(one for one in found if one is not meant))
+        return self._predicted_around[key]
 
     @cached_property
-    def _bodies_at_last_point(self) -> dict[tuple[float, ...], tuple[list[BodyPrediction], Iterator[BodyPrediction]]]:
-        """The bodies predicted so far around the last point, and the iterator over the others."""
+    def _predicted_around(self) -> dict[tuple[float, ...], tuple[Selection, ...]]:
+        """The bodies around the last point."""
         return {}
 
     def _clip_points(self, places: Array) -> Array:
@@ -419,6 +456,59 @@ class VolumePartition:
             part = parts.part_at(voxels)
             found[part >= 0] = number[part[part >= 0]]
         return found
+
+    def split_body(self, number: int) -> tuple[Region, ...]:
+        """Split a body at its necks, as where nuclei touch; one region within the surface where there is no neck."""
+        if number not in self._parts_of_bodies:
+            boundary = self.extract_boundary(np.array([number]))
+            whole = Region(surface=boundary) if len(boundary.faces) else NO_VOXELS
+            parts: tuple[Region, ...] = () if whole.is_empty else (whole,)
+            if parts and number in self.solid_bodies:
+                window = expand_window(whole.window, 1, self.shape)
+                masks = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
+                if len(masks) > 1:
+                    parts = tuple(Region.from_mask(mask, [side.start for side in window]) for mask in masks)
+            self._parts_of_bodies[number] = parts
+        return self._parts_of_bodies[number]
+
+    def knows_bodies(self, places: Array) -> bool:
+        """Return whether points, shape (N, 3) [voxels], all lie in bodies, and it is known how these are split."""
+        return all(number in self._parts_of_bodies for number in self.find_body_numbers(places).tolist())
+
+    @cached_property
+    def _parts_of_bodies(self) -> dict[int, tuple[Region, ...]]:
+        """The parts of the bodies that have been split, by their numbers."""
+        return {}
+
+    def _is_painted(self, selection: Selection) -> bool:
+        """Return whether a selection consists of voxels that neither its points have selected nor the network."""
+        if not selection.has_boundary or selection.region.pixels is None or selection.prediction is not None:
+            return False  # those of the network may be cut by excluded voxels
+        chosen = set(self._find_parts(selection.inside)).difference(self._find_parts(selection.outside))
+        return None in chosen or selection.region != self._unite_parts(chosen)
+
+    def _find_parts(self, places: Array) -> list[tuple[int, int] | None]:
+        """Find the body, and the part of it, that each point, shape (N, 3) [voxels], lies in; None outside all."""
+        found: list[tuple[int, int] | None] = []
+        for number, voxel in zip(
+            self.find_body_numbers(places).tolist(), self._find_nearest_voxels(places), strict=True
+        ):
+            parts = self.split_body(number) if number else ()
+            inside = [part.contains(tuple(voxel.tolist())) for part in parts] if len(parts) > 1 else [True]
+            found.append((number, inside.index(True)) if number and any(inside) else None)
+        return found
+
+    def _unite_parts(self, chosen: Iterable[tuple[int, int] | None]) -> Region:
+        """Unite parts of bodies; bodies of which all parts are chosen are bounded by the surface."""
+        of_body: dict[int, list[int]] = {}
+        for number, part in filter(None, chosen):
+            of_body.setdefault(number, []).append(part)
+        whole = [number for number, parts in of_body.items() if len(parts) == max(len(self.split_body(number)), 1)]
+        boundary = self.extract_boundary(np.array(whole, np.int64))
+        regions = [Region(surface=boundary)] if len(boundary.faces) else []
+        for number in sorted(set(of_body).difference(whole)):
+            regions += [self.split_body(number)[part] for part in sorted(of_body[number])]
+        return reduce(Region.united, regions) if regions else NO_VOXELS
 
     def extract_boundary(self, chosen: Index) -> Surface:
         """Extract the components of the surface that bound bodies, turned outward; none between two of these bodies."""

@@ -18,8 +18,9 @@ from cpm_core.model.starts import STRONG_EDGE_FRACTION, divergence_centers, is_a
 from cpm_core.model.volume.starts import seeds_at_centers, volume_edge_strength
 from cpm_core.numerics.grids import label_joined_pairs, running_maximum
 from cpm_core.numerics.types import Array, Arrays, Callback, Sides
-from cpm_core.objects.all_bodies import find_bodies_everywhere, rate_body
+from cpm_core.objects.all_bodies import find_bodies_everywhere
 from cpm_core.objects.all_objects import build_proposal, find_objects_everywhere
+from cpm_core.objects.body_evidence import rate_body
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image

@@ -134,8 +134,9 @@ class RunUpdater:
             self._post(call_run(None, Run.set_charges, self._store.image_generation, after.charges, resumes))
         if not self._store.status.started:
             return
-        if before.regions != after.regions:
-            self._post(call_run(self._store.generation, Run.set_regions, after.regions, resumes))
+        if before.regions != after.regions:  # an object that is frozen leaves a run at rest as it is
+            drawn = before.shapes != after.shapes
+            self._post(call_run(self._store.generation, Run.set_regions, after.regions, resumes and drawn))
         if complete:
             self.end_gesture()
 

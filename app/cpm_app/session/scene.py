@@ -169,6 +169,8 @@ class Scene:
         Particles of a volume that are shown in a slice.
     second : SecondImage or None
         The second image, which lies over the first.
+    whole : Scene or None
+        The scene of the volume, in that of a slice.
     """
 
     image: Image | None = None
@@ -192,6 +194,7 @@ class Scene:
     volume: Image | None = None
     near_particles: NearParticles | None = None
     second: SecondImage | None = None
+    whole: Scene | None = None
 
     @property
     def full_image(self) -> Image | None:

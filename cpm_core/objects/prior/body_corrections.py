@@ -11,6 +11,7 @@ import scipy
 import skimage
 
 from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
 from cpm_core.objects.prior.crops import average_blocks
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
@@ -122,6 +123,25 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
             removed[box] = rest == rest[outer]
             return removed
     return None
+
+
+def find_part_at_necks(body: BodyPrediction, point: Array) -> BodyPrediction | None:
+    """Find the part of a body that holds a point, shape (3,), once it is split at its necks; None without a neck."""
+    step = np.clip(np.rint(body.crop.to_crop_steps(point)), 0, len(body.logits) - 1).astype(int)
+    pieces, _ = scipy.ndimage.label(body.logits > 0.0)
+    if not pieces[tuple(step)]:
+        return None
+    whole = pieces == pieces[tuple(step)]
+    parts = split_at_necks(average_blocks(whole.astype(np.float32), 2) > 0.5)
+    number = parts[tuple(step // 2)]
+    if not number or parts.max() == 1:
+        return None
+    nearest = scipy.ndimage.distance_transform_edt(parts == 0, return_distances=False, return_indices=True)
+    near = parts[tuple(nearest)].repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
+    left_out = np.float32(-MAX_LOGIT)
+    logits = np.where(whole & (near == number), body.logits, np.minimum(body.logits, left_out))
+    slice_logits = np.where(whole & (near != number), left_out, body.slice_logits)
+    return BodyPrediction(body.crop, slice_logits, logits)
 
 
 def find_changes_near(before: BodyPrediction, after: BodyPrediction, point: Array) -> Mask:

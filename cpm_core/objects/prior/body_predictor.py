@@ -14,11 +14,11 @@ import numpy as np
 import scipy
 
 from cpm_core.numerics.types import Array, Single, record
-from cpm_core.objects.prior.body_corrections import correct_in_crop
+from cpm_core.objects.prior.body_corrections import correct_in_crop, find_part_at_necks
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction, is_different_body
 from cpm_core.objects.prior.crop_search import crop_closely, rank_crop_sizes
 from cpm_core.objects.prior.crops import CROP_SIDE, Crop3D, VolumeSampler
-from cpm_core.objects.prior.intensity_refinement import POINT_LOGIT, refine_by_intensity
+from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
 from cpm_core.objects.prior.network import Network, load_trained_network
 from cpm_core.objects.prior.slice_propagation import SLICE_SPACING, propagate_slices
 from cpm_core.objects.prior.stable_regions import find_stable_regions
@@ -53,26 +53,24 @@ class BodyPredictor:
     network: Network = field(default_factory=load_trained_network)
 
     def predict_bodies(self, point: Array) -> Iterator[BodyPrediction]:
-        """Predict bodies of different sizes that a point, shape (3,), may lie in, the most plausible one first.
+        """Predict bodies that a point, shape (3,), may lie in: of several sizes, and their parts at necks.
 
-        Last come bodies that contain the point only because it is positive, such as a head around a point in its
-        ventricles; and stable regions of similar gray levels, such as an organ in a head.
+        Those around the point come from crops of all sizes, and last from stable regions of similar gray levels, such
+        as an organ in a head.
         """
         found: list[BodyPrediction] = []
-        forced = []
         for crop, probabilities in rank_crop_sizes(point, self._sampler, self.network):
             body = self._grow_body(point, *crop_closely(crop, probabilities, point, self._sampler, self.network))
             if all(is_different_body(body.volume, other.volume) for other in found):
                 found.append(body)
-                if body.interpolate_logit(point) > POINT_LOGIT:
-                    yield body
-                else:
-                    forced.append(body)
-        yield from forced
         largest = max((body.crop for body in found), key=lambda crop: crop.side)
         context = self._build_context(largest, point[None])
-        for region in find_stable_regions(context):
-            yield _refine_body(context, np.where(region, MAX_LOGIT, -MAX_LOGIT).astype(np.float32))
+        found += [
+            _refine_body(context, np.where(region, MAX_LOGIT, -MAX_LOGIT).astype(np.float32))
+            for region in find_stable_regions(context)
+        ]
+        yield from found
+        yield from filter(None, (find_part_at_necks(body, point) for body in found))
 
     def _grow_body(self, point: Array, crop: Crop3D, probabilities: list[Single]) -> BodyPrediction:
         """Grow the body of a point from the answers in the slices through it, in a crop that is widened as needed."""

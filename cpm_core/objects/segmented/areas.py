@@ -111,26 +111,21 @@ def unite_objects(first: SegmentedObject, second: SegmentedObject) -> SegmentedO
     Returns
     -------
     SegmentedObject
-        The first object with the boundary and the positive clicks of both, the gaps that still lie on the boundary, and
-        the means of confidence and strength weighted by perimeter.
+        The first object with the boundary and the positive clicks of both, the gaps that still lie on the boundary, the
+        mean of their strength weighted by perimeter, and without confidence, since the user has decided.
     """
     clicks = tuple(said for item in (first, second) for said in item.clicks if said.inside)
     if first.region.ndim == 3:
-        return replace(first, clicks=clicks, region=unite_bodies(first.region, second.region))
+        return replace(first.redrawn(unite_bodies(first.region, second.region)), clicks=clicks)
     one, other = polygon_from_boundary(first.region.boundary), polygon_from_boundary(second.region.boundary)
     both = one.union(other)
     closed = both.buffer(0.5 * _MAX_SLIT_WIDTH, join_style="mitre").buffer(-0.5 * _MAX_SLIT_WIDTH, join_style="mitre")
     between = closed.intersection(one.buffer(_MAX_SLIT_WIDTH)).intersection(other.buffer(_MAX_SLIT_WIDTH))
     boundary = boundary_from_polygon(both.union(between))
     lengths = [item.measure_perimeter() for item in (first, second)]
-    return replace(
-        first,
-        clicks=clicks,
-        region=Region(boundary),
-        gaps=tuple(gap for item in (first, second) for gap in item.gaps if lies_on(gap, boundary)),
-        confidence=float(np.average((first.confidence, second.confidence), weights=lengths)),
-        strength=float(np.average((first.strength, second.strength), weights=lengths)),
-    )
+    gaps = tuple(gap for item in (first, second) for gap in item.gaps if lies_on(gap, boundary))
+    strength = float(np.average((first.strength, second.strength), weights=lengths))
+    return replace(first.redrawn(Region(boundary), gaps), clicks=clicks, strength=strength)
 
 
 def lies_on(gap: Line, boundary: tuple[Line, ...]) -> bool:

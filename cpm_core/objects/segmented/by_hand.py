@@ -158,7 +158,7 @@ def redraw_boundary(
     """
     curve = round_line(redrawn.points)
     if item.line:
-        return replace(item, line=curve)
+        return replace(item, line=curve, confidence=0.0)
     curves = [*item.region.boundary[:index], curve, *item.region.boundary[index + 1 :]]
     boundary = boundary_from_polygon(polygon_from_boundary(curves))
     return _replace_boundary(item, boundary, [redrawn.drawn], _ObjectEdges(item, scale_field)) if boundary else item
@@ -311,4 +311,4 @@ def _replace_boundary(
 ) -> SegmentedObject:
     """Replace the boundary of an object, along lines that were drawn or cut."""
     gaps = (*item.gaps, *(gap for path in drawn for gap in edges.find_gaps(path)))
-    return replace(item, clicks=(), region=Region(boundary), gaps=tuple(gap for gap in gaps if lies_on(gap, boundary)))
+    return item.redrawn(Region(boundary), tuple(gap for gap in gaps if lies_on(gap, boundary)))

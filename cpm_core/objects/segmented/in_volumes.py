@@ -94,7 +94,7 @@ def paint_voxels(objects: SegmentedObjects, number: int, part: Region, adds: boo
         if region.is_empty:
             del known[other]
         elif region.count != known[other].region.count:
-            known[other] = replace(known[other], clicks=(), region=region)
+            known[other] = known[other].redrawn(region)
     ends = replace(objects, clicks=(), edited=0) if objects.edited in painted else objects
     return replace(ends, items=tuple(known.values()))
 
@@ -121,7 +121,7 @@ def split_painted_object(item: SegmentedObject, first: Place, second: Place, sid
     around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
     found = np.where(inside, found[tuple(around)], 0)  # assign pieces that are connected to neither point
     halves = [Region.from_mask(found == number, begin) for number in (1, 2)]
-    one, other = (replace(item, clicks=(), region=item.region.without(half)) for half in reversed(halves))
+    one, other = (item.redrawn(item.region.without(half)) for half in reversed(halves))
     return Halves(one, other, ())
 
 

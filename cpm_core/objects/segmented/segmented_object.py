@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -78,7 +79,7 @@ class SegmentedObject:
     gaps : tuple of tuple
         Stretches of the boundary that follow no contour.
     confidence : float
-        Confidence in the boundary, from 0 to 1.
+        Confidence in the boundary, from 0 to 1; 0 where it is unknown, as once it has been edited by hand.
     strength : float
         Mean edge strength along the boundary [gray levels / px].
     name, color : str
@@ -146,6 +147,10 @@ class SegmentedObject:
     def outside(self) -> Array:
         """Negative points, shape (K, D) [px]."""
         return collect_points(self.clicks, inside=False)
+
+    def redrawn(self, region: Region, gaps: tuple[Line, ...] = ()) -> SegmentedObject:
+        """Return the object with a region that the user has made: no clicks explain it, and no confidence is known."""
+        return replace(self, clicks=(), region=region, gaps=gaps, confidence=0.0)
 
     def measure_perimeter(self, spacing: Sides = (1.0, 1.0)) -> float:
         """Measure the length of the boundary, holes included, or of the line, in the unit of the size of a pixel."""

@@ -382,6 +382,8 @@ def contrast_around_path(path: Array, surroundings: SaddleSurroundings, width: f
     size = surroundings.size
     places = path * size
     along = scipy.ndimage.uniform_filter1d(np.gradient(places, axis=0), _AVERAGED_VOXELS, axis=0)
+    turns = np.linalg.norm(along, axis=1) < _PARALLEL_SINE  # where the path goes back on the spot
+    along[turns] = np.diff(places, axis=0, prepend=2.0 * places[:1] - places[1:2])[turns]
     along /= np.linalg.norm(along, axis=1)[:, None]
     helper = np.eye(3)[np.abs(places[-1] - places[0]).argmin()]
     one = np.cross(along, helper)

@@ -72,7 +72,7 @@ def main() -> None:
         "data": "made-up volumes",
     }
     path = Path(confidence.__file__).with_name("confidence_bodies.json")
-    path.write_text(json.dumps(origin, indent=2) + "\n", "utf-8")
+    path.write_text(json.dumps(json.loads(path.read_text("utf-8")) | origin, indent=2) + "\n", "utf-8")
 
 
 if __name__ == "__main__":

@@ -11,8 +11,8 @@ from cpm_core.chunked import grid as grids
 from cpm_core.chunked import results, volume_results
 from cpm_core.chunked.chunked_contours import ChunkedTask
 from cpm_core.chunked.store import RunStore
+from cpm_core.chunked.volume_objects import run_volume
 from cpm_core.chunked.volume_run import run_particles
-from cpm_core.chunked.volume_surface import run_volume
 from cpm_core.contours.surface_agreement import sample_triangles
 from cpm_core.formats.images import ome_zarr
 from cpm_core.formats.images.reading import Reading
@@ -64,8 +64,9 @@ def source(tmp_path_factory):
     return write(tmp_path_factory.mktemp("volume") / "bodies.zarr", values)
 
 
-def found_in(source, folder, kind="grid", compute=serial, max_steps=None, side=SIDE):
-    return run_volume(ChunkedTask(source, PARAMETERS, kind, RunStore(folder / "chunks"), max_steps), compute, side)
+def found_in(source, folder, kind="grid", compute=serial, max_steps=None, side=SIDE, objects=False):
+    task = ChunkedTask(source, PARAMETERS, kind, RunStore(folder / "chunks"), max_steps, objects)
+    return run_volume(task, compute, side)
 
 
 @pytest.fixture(scope="module")
@@ -121,6 +122,36 @@ def test_each_body_is_found_once_in_all_files(found, files):
         assert center == pytest.approx(np.argwhere(labels == number).mean(axis=0) * 0.5, abs=0.1)
     surface = cpm.load_surface(files / "bodies.ply", cpm.load_volume(files / "labels.zarr"))
     assert sorted(np.unique(surface.numbers)) == list(range(1, BODIES + 1))
+
+
+def test_objects_of_chunks_are_those_of_a_run_in_one_piece_split_where_they_touch(tmp_path):
+    p, r, c = np.indices((40, 48, 96), sparse=True)
+    balls = [((20, 24, 24), 9.0), ((20, 24, 40), 9.5), ((20, 24, 58), 10.5), ((20, 24, 82), 8.0)]
+    inside = np.max([radius - np.sqrt(sum((x - y) ** 2 for x, y in zip((p, r, c), at, strict=True)))
+                     for at, radius in balls], axis=0)  # fmt: skip
+    values = 30.0 + 150.0 * np.clip(inside + 0.5, 0.0, 1.0)
+    values += np.random.default_rng(5).normal(0.0, 4.0, values.shape)
+    source = write(tmp_path / "touching.zarr", values.round().astype(np.uint8))
+    found = found_in(source, tmp_path, objects=True)
+    assert len(found.grid.chunks) == 2
+    names = [str(tmp_path / name) for name in ("labels.zarr", "objects.ply", "objects.csv")]
+    results.write_results(found, names, serial, volume_results.WRITERS)
+    image = cpm.load_volume(source.path)
+    objects = cpm.segment(image, cpm.seeds_everywhere(image), PARAMETERS).objects
+    assert found.count == len(objects) == len(balls)
+    labels = np.asarray(ome_zarr.open_multiscale(tmp_path / "labels.zarr").arrays[0])
+    surface = cpm.load_surface(tmp_path / "objects.ply", image)
+    table = np.genfromtxt(tmp_path / "objects.csv", delimiter=",", names=True)
+    assert surface.closed
+    assert set(surface.numbers.tolist()) == set(table["label"].tolist()) == set(range(1, len(balls) + 1))
+    for one in objects:
+        number = int(np.bincount(labels[one.mask]).argmax())
+        assert (one.mask & (labels == number)).sum() > 0.97 * (one.mask | (labels == number)).sum()
+        row = table[number - 1]
+        assert (row["volume_um3"], row["confidence"]) == pytest.approx((one.size, one.confidence), rel=0.02)
+        assert [row[f"center_{axis}_um"] for axis in ("plane", "row", "col")] == pytest.approx(
+            np.argwhere(one.mask).mean(axis=0) * 0.5, abs=0.1
+        )
 
 
 @pytest.mark.long

@@ -51,12 +51,18 @@ class Handler(BaseHTTPRequestHandler):
         elif asked == "add_point_interaction":
             given = json.loads(body)
             server.marks.append((np.array([given["coordinates"]]), given["include_interaction"]))
-        elif asked == "add_scribble_interaction":
+        elif asked == "add_bbox_interaction":
+            given = json.loads(body)
+            server.boxes.append(given["bbox_coords"])
+            middle = np.mean(given["bbox_coords"], axis=1).astype(int)
+            server.marks.append((middle[None], given["include_interaction"]))
+        elif asked in ("add_scribble_interaction", "add_lasso_interaction"):
             given = json.loads(self.headers["X-Meta"])
-            server.marks.append((np.argwhere(serialization.unpack_array(body)), given["include_interaction"]))
+            server.drawn = serialization.unpack_array(body)
+            server.marks.append((np.argwhere(server.drawn), given["include_interaction"]))
         elif asked == "predict":
             parts, _ = scipy.ndimage.label(server.image > 50.0)
-            held = np.unique([parts[tuple(at.T)][0] for at, adds in server.marks if adds])
+            held = np.unique([np.bincount(parts[tuple(at.T)]).argmax() for at, adds in server.marks if adds])
             found = np.isin(parts, held[held > 0]).astype(np.uint8)
             meta = {"ran_prediction": True, "bbox": [[0, side] for side in found.shape]}
             self.reply(meta, serialization.pack_array(found))
@@ -79,7 +85,7 @@ class Handler(BaseHTTPRequestHandler):
 @pytest.fixture
 def server():
     with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as made:
-        made.asked, made.expired, made.marks = [], False, []
+        made.asked, made.expired, made.marks, made.boxes = [], False, [], []
         made.address = f"http://127.0.0.1:{made.server_address[1]}"
         thread = threading.Thread(target=made.serve_forever)
         thread.start()
@@ -101,6 +107,36 @@ def test_points_and_scribbles_select_a_body_whose_surface_is_exact(server) -> No
     assert compute_iou(drawn.mask, found.mask) > 0.95
     del volume
     assert server.asked[-1] == "release"
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_closed_line_around_a_body_in_a_slice_is_sent_as_a_lasso_with_what_it_encloses(server, axis) -> None:
+    volume = VolumePartition(cpm.Image(VALUES), model=server.address)
+    turns, center = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False), np.array([20.0, 18.0, 21.0])
+    line = np.tile(center, (24, 1))
+    line[:, [at for at in range(3) if at != axis]] += 11.0 * np.column_stack([np.cos(turns), np.sin(turns)])
+    found = volume.select(line)
+    assert "add_lasso_interaction" in server.asked and "add_scribble_interaction" not in server.asked
+    area = np.moveaxis(server.drawn, axis, 0)
+    assert area[int(center[axis])].sum() == area.sum() == pytest.approx(np.pi * 11.0**2, rel=0.15)
+    assert compute_iou(found.mask & (DISTANCE < RADIUS), DISTANCE < RADIUS) > 0.9
+    volume.select([(20, 18, 30)], previous=found)
+    assert server.asked[-3:-1] == ["add_lasso_interaction", "add_point_interaction"]
+
+
+def test_a_box_goes_to_the_server_as_its_middle_slices_and_nowhere_else(server) -> None:
+    volume = VolumePartition(cpm.Image(VALUES), model=server.address)
+    found = volume.select(box=[(10, 8, 31), (30, 28, 11)])
+    assert server.boxes == [
+        [[20, 21], [8, 29], [11, 32]],
+        [[10, 31], [18, 19], [11, 32]],
+        [[10, 31], [8, 29], [21, 22]],
+    ]
+    assert compute_iou(found.mask, DISTANCE < RADIUS) > 0.95
+    volume.select(box=[(20, 8, 11), (20, 28, 31)])
+    assert server.boxes[3:] == [[[20, 21], [8, 29], [11, 32]]]
+    with pytest.raises(ValueError, match="for a server of nnInteractive"):
+        VolumePartition(cpm.Image(VALUES)).select(box=[(10, 8, 11), (30, 28, 31)])
 
 
 def test_clicks_correct_the_answer_and_limits_hold(server) -> None:

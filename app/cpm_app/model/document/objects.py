@@ -397,5 +397,5 @@ def apply_brush(
         on = np.abs(polyline.distances_to_path(path, points) - radius) <= _BRUSH_EDGE_TOLERANCE
         runs = (points[run].tolist() for run in polyline.find_marked_runs(on, closed=True) if len(run) > 1)
         painted += [tuple(map(tuple, run)) for run in runs]
-    new = replace(made, clicks=(), region=Region(boundary), gaps=(*kept, *painted), confidence=0.0)
+    new = made.redrawn(Region(boundary), (*kept, *painted))
     return accept_objects(document, (new,), ends=document.objects.edited == number)

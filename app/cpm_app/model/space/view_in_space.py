@@ -112,6 +112,10 @@ class ViewInSpace:
         The shapes that the user has drawn.
     table : ndarray of uint8, shape (256, 3)
         Color of each shade.
+    second : ShadedVolume or None
+        The second image; slices and brightest voxels show it over those of the volume.
+    second_table : ndarray of uint8, shape (256, 4)
+        Color and opacity of each of its shades.
     objects : tuple of ColoredMesh
         Accepted objects, and proposals.
     truth : tuple of ColoredMesh
@@ -127,6 +131,8 @@ class ViewInSpace:
     mesh: SurfaceMesh | None = None
     wires: Wires | None = None
     table: Pixels = field(default_factory=lambda: GRAY_TABLE)
+    second: ShadedVolume | None = None
+    second_table: Pixels = field(default_factory=lambda: np.zeros((256, 4), np.uint8))
     objects: tuple[ColoredMesh, ...] = ()
     truth: tuple[ColoredMesh, ...] = ()
     shown: ShownParts = field(default_factory=ShownParts)
@@ -150,10 +156,16 @@ class ViewInSpace:
         picture, shown, spacing = Picture.blank(size, BACKGROUND_COLOR), self.shown, self.image.spacing
         if shown.projection:
             draw_projection(picture, self.shaded, camera, spacing, self.table)
+            if self.second is not None:
+                brightest = Picture.blank(size, (0, 0, 0))
+                draw_projection(brightest, self.second, camera, spacing, GRAY_TABLE)
+                self._blend_second(picture.colors, brightest.colors[..., 0])
         if shown.slices:
             for place in map(self.slices.slice_across, range(3)):
-                shades = apply_window(place.slice_array(self.shaded.values), self.shaded.window)
-                draw_slice(picture, place, self.table[shades], camera, spacing)
+                colors = self.table[apply_window(place.slice_array(self.shaded.values), self.shaded.window)]
+                if self.second is not None:
+                    self._blend_second(colors, place.slice_array(self.second.voxels))
+                draw_slice(picture, place, colors, camera, spacing)
         if shown.box:
             self._draw_box(picture, camera)
         if self.wires is not None:
@@ -162,6 +174,12 @@ class ViewInSpace:
         self.draw_particles(picture, self.particles, camera, coarseness)
         self._draw_surfaces(picture, camera, coarseness)
         return picture
+
+    def _blend_second(self, colors: Pixels, shades: Pixels) -> None:
+        """Blend shades of the second image, shape (H, W), into colors, shape (H, W, 3)."""
+        over = self.second_table[shades]
+        share = over[..., 3:] / np.float32(255.0)
+        colors[:] = np.rint(colors + share * (over[..., :3] - colors.astype(np.float32)))
 
     @property
     def is_translucent(self) -> bool:

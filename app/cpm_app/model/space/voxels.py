@@ -12,7 +12,7 @@ from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import Picture, clip_line
 from cpm_app.model.volume.slices import Slice
 from cpm_core.numerics import Array, compiled
-from cpm_core.numerics.types import Pixels, Sides, Single, record
+from cpm_core.numerics.types import Numbers, Pixels, Sides, Single, record
 
 _MAXIMA_BLOCK_SIDE = 8
 """Side of the blocks whose maxima are stored [voxels]: blocks that cannot raise the maximum are skipped."""
@@ -22,7 +22,7 @@ _MAXIMA_BLOCK_SIDE = 8
 class ShadedVolume:
     """A volume with one byte a voxel, computed from its gray values on first use, since that takes a while."""
 
-    values: Array
+    values: Numbers
     window: IntensityWindow
 
     @cached_property

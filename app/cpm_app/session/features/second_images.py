@@ -37,12 +37,12 @@ class SecondImages(QObject):
 
     def remove(self) -> None:
         """Show no second image."""
-        self._session.edit(tr("remove the overlay"), lambda document: replace(document, second=None))
+        self._session.edit(tr("remove the second image"), lambda document: replace(document, second=None))
 
     def _use(self, file: ImageFile) -> None:
         """Make what has been read the second image of the document."""
         self._known = file, self._session.image
-        name = tr("overlay {name}", name=Path(file.path).name)
+        name = tr("show {name} as the second image", name=Path(file.path).name)
         self._session.edit(name, lambda document: replace(document, second=file))
 
     def _on_document_changed(self, document: Document) -> None:

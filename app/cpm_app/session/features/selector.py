@@ -326,7 +326,7 @@ class Selector:
         if not isinstance(self.partition, VolumePartition) or clicks in self._known:
             return True
         places = np.concatenate([np.array(each.places) for each in clicks])
-        return bool(self.partition.find_body_numbers(places).all())
+        return self.partition.knows_bodies(places)
 
     def _other_arguments(self, clicks: Clicks) -> JsonDict:
         """Return the arguments of a selection other than the positive points."""

@@ -86,6 +86,7 @@ class Sections:
             volume=volume,
             near_particles=near,
             second=part(_slice_second, scene.second, here),
+            whole=scene,
         )
 
     def _slice_lines(self, found: Reconstruction | None, here: Slice) -> Reconstruction | None:

@@ -26,25 +26,31 @@ class SecondImageFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         self._images = self.window.workspace.second_images
         self._channels = 1
-        self.window.overlay_dropped.connect(self._on_dropped)
+        self.window.second_dropped.connect(self._on_dropped)
         self.session.store.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
-            ActionSpec("overlay", "File", "O&verlay an image…",
+            ActionSpec("second_image", "File", "Show a second &image…",
                        "Show a label map or another image over this one, by its place in space; or drop it with Shift.",
                        self._ask_for_file, when=has_image),
-            Submenu("overlay_channel", "File", "Overlay a &channel", self._fill_channels),
-            ActionSpec("remove_overlay", "File", "Remove the over&lay", "Show the image alone again.",
+            Submenu("second_channel", "File", "Second image from a &channel", self._fill_channels,
+                    find_obstacle=self._find_channel_obstacle),
+            ActionSpec("remove_second_image", "File", "Remove the second ima&ge", "Show the image alone again.",
                        self._images.remove, when=lambda now: bool(now.document.second)),
         )  # fmt: skip
 
     def _ask_for_file(self) -> None:
         kinds = (FileKind(tr("Images"), tuple(IMAGES_READABLE)), ALL_FILES)
-        chosen = self.window.files.ask_for_file("open", tr("Overlay an image"), kinds)
+        chosen = self.window.files.ask_for_file("open", tr("Show a second image"), kinds)
         if chosen is not None:
             self._images.open_file(chosen)
 
     def _on_image_opened(self, opened: ImageOpened) -> None:
         self._channels = 1 if opened.parts is None or opened.parts.has_colors else opened.parts.channels
+
+    def _find_channel_obstacle(self) -> str:
+        if self.session.document.image is None:
+            return tr("Open an image first.")
+        return "" if self._channels > 1 else tr("The image has one channel.")
 
     def _fill_channels(self, menu: QMenu) -> None:
         """List the channels that are not open."""
@@ -53,11 +59,11 @@ class SecondImageFeature(Feature):
         for channel in range(1, self._channels + 1):
             if image is not None and channel != shown:
                 reading = replace(image.reading, channel=channel)
-                overlay = partial(self._images.open_file, Path(image.path), reading)
-                add_menu_action(menu, tr("channel {number}", number=channel), overlay)
+                show = partial(self._images.open_file, Path(image.path), reading)
+                add_menu_action(menu, tr("channel {number}", number=channel), show)
 
     def _on_dropped(self, urls: Sequence[QUrl]) -> None:
-        """Overlay the first dropped file; without an image, open it."""
+        """Show the first dropped file as the second image; without an image, open it."""
         if self.session.image is None or not urls[0].isLocalFile():
             self.window.urls_dropped.emit(urls)
         else:

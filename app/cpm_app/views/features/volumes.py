@@ -265,7 +265,12 @@ class SpaceFeature(Feature):
         self.panel.view.picked.connect(self._on_place_picked)
         self.panel.bar.changed.connect(window.refresh_actions)
         window.canvas_area.level_drag.watch_widget(self.panel.view)
-        for layer in (layers.particles, layers.image, layers.drawing, layers["objects"], layers["truth"]):
+        for layer in (
+            layers.particles,
+            layers.image,
+            layers.drawing,
+            *(layers[name] for name in ("objects", "truth", "second")),
+        ):
             layer.changed.connect(self._show_space)
         self.actions = tuple(space_action_specs(self.panel, window.session))
 

@@ -82,8 +82,9 @@ class ObjectLayer(Layer):
         self.add_items(self._names, switch="names")
 
     def legend_entries(self) -> Sequence[LegendEntry]:
-        """Return the entries of accepted objects and proposals."""
-        offered, objects = self._proposals, self.scene.document.objects
+        """Return the entries of accepted objects and proposals, in a slice those of the whole volume."""
+        scene = self.scene.whole or self.scene
+        offered, objects = _list_proposals(scene), scene.document.objects
         color = objects.color_of(objects.items[0]) if objects.items else theme.PROPOSAL_COLOR
         return (
             LegendEntry(
@@ -138,9 +139,8 @@ class ObjectLayer(Layer):
 
     @property
     def _proposals(self) -> list[tuple[int, Selection]]:
-        """Proposals that can be drawn, with their keys."""
-        offered = ((each.key, each.selection) for each in self.scene.objects.proposals)
-        return [(key, found) for key, found in offered if isinstance(found, Selection) and found.has_boundary]
+        """Proposals that are drawn, with their keys."""
+        return _list_proposals(self.scene)
 
     def _find_paths(self, numbers: Iterable[int]) -> list[Array]:
         """Find the boundaries of objects by number and of proposals by key, each of shape (K, 2)."""
@@ -205,6 +205,12 @@ class ObjectLayer(Layer):
         """Mark the middle of each click that is being worked on by a dashed ring."""
         pen = pg.mkPen(theme.PROPOSAL_COLOR, width=2.5, style=Qt.PenStyle.DashLine)
         self.awaited.show_markers([each.places[len(each.places) // 2] for each in self.scene.objects.awaited], pen=pen)
+
+
+def _list_proposals(scene: Scene) -> list[tuple[int, Selection]]:
+    """List the proposals of a scene that can be drawn, with their keys."""
+    offered = ((each.key, each.selection) for each in scene.objects.proposals)
+    return [(key, found) for key, found in offered if isinstance(found, Selection) and found.has_boundary]
 
 
 def _find_top(item: SegmentedObject) -> Position:

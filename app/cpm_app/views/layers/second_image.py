@@ -30,7 +30,7 @@ class SecondImageLayer(Layer):
 
     name = "second"
     title = tr("Second image")
-    tip = tr("A label map, or another image, over the first: menu File, “Overlay an image…”.")
+    tip = tr("A label map, or another image, over the first: menu File, “Show a second image…”.")
     shortcut = "Alt+Shift+8"
     options = (Option("map", tr("Colors"), "inferno", tr("Colors from dark to bright."), color_maps.COLOR_MAPS),)
 
@@ -58,9 +58,14 @@ class SecondImageLayer(Layer):
 
     def apply_option(self, name: str) -> None:
         """Change the colors."""
+        if self.scene.second is not None:
+            self.item.set_color_table(self.color_table)
+
+    @property
+    def color_table(self) -> Pixels:
+        """Color and opacity of each shade, shape (256, 4)."""
         second = self.scene.second
-        if second is not None:
-            self.item.set_color_table(_label_table() if second.is_labels else _gray_table(self.get_choice("map")))
+        return _label_table() if second is not None and second.is_labels else _gray_table(self.get_choice("map"))
 
 
 @cache

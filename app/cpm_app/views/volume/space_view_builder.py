@@ -11,6 +11,8 @@ import numpy as np
 from PySide6.QtGui import QColor
 
 from cpm_app.model.display.coloring import QUANTITIES, color_particles
+from cpm_app.model.display.display_image import IntensityWindow
+from cpm_app.model.display.second_image import SecondImage
 from cpm_app.model.space.triangles import SurfaceMesh
 from cpm_app.model.space.view_in_space import ColoredMesh, ShownParticles, ViewInSpace, Wires
 from cpm_app.model.space.voxels import ShadedVolume
@@ -20,6 +22,7 @@ from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.scene import Proposal, Scene
 from cpm_app.views.layers import Layers
 from cpm_app.views.layers.particles import build_quantity_palette
+from cpm_app.views.layers.second_image import SecondImageLayer
 from cpm_app.views.layers.skeleton import split_skeleton_by_thickness
 from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, get_canvas_style
@@ -27,6 +30,12 @@ from cpm_core import Image, Skeleton, Surface, Truth, VolumeTruth
 from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Measure, Shape, relative_sides
+
+_NO_COLORS = np.zeros((256, 4), np.uint8)
+"""Colors without a second image."""
+
+_ALL_SHADES = IntensityWindow(0.0, 255.0)
+"""The window in which shades stay as they are."""
 
 _NO_SURFACES: Mapping[int, Surface] = MappingProxyType({})
 """No surfaces of painted objects."""
@@ -66,9 +75,24 @@ class SpaceViewBuilder:
             get(_build_surface_mesh, found),
             get(_build_wires, drawn, scene.selected_shape, image, scene.skeleton if layers["skeleton"].shown else None),
             color_maps.color_table(layers.image.get_choice("map")),
+            *self._build_second(scene.second, layers),
             get(_build_object_meshes, objects, scene.objects.proposals, spacing, bodies),
             get(_build_truth_mesh, scene.truth if layers["truth"].shown else None, spacing),
         )
+
+    def _build_second(self, second: SecondImage | None, layers: Layers) -> tuple[ShadedVolume | None, Pixels]:
+        """Build the shades of the second image, and their colors with the opacity of the layer."""
+        layer = layers["second"]
+        if second is None or not layer.shown or not isinstance(layer, SecondImageLayer):
+            return None, _NO_COLORS
+        table = self._parts.get(_fade_table, layer.color_table, layer.opacity)
+        shades = second.shades
+        return self._parts.get_named("second", lambda: ShadedVolume(shades, _ALL_SHADES), shades), table
+
+
+def _fade_table(table: Pixels, opacity: float) -> Pixels:
+    """Make the colors of a table, shape (256, 4), more transparent."""
+    return np.rint(table * np.array([1.0, 1.0, 1.0, opacity])).astype(np.uint8)
 
 
 def _build_particles(

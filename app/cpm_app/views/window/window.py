@@ -119,7 +119,7 @@ class MainWindow(QMainWindow):
     urls_dropped = Signal(list)
     """URLs of files were dropped on the window or pasted."""
 
-    overlay_dropped = Signal(list)
+    second_dropped = Signal(list)
     """URLs of files were dropped on the window with Shift."""
 
     def __init__(
@@ -229,7 +229,7 @@ class MainWindow(QMainWindow):
         event.setDropAction(Qt.DropAction.CopyAction)  # Shift proposes to move: the source would delete the file
         event.accept()
         over = bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier)
-        (self.overlay_dropped if over else self.urls_dropped).emit(event.mimeData().urls())
+        (self.second_dropped if over else self.urls_dropped).emit(event.mimeData().urls())
 
     def _on_image_changed(self) -> None:
         """Switch to the first tool if the tool in use does not work in volumes."""

@@ -59,3 +59,31 @@ def test_every_way_shows_the_bodies_that_a_run_in_a_volume_proposes_and_enter_ac
     items = volume.session.document.objects.items
     assert [item.region.paste(offered[0].shape).tobytes() for item in items] == masks(offered)
     assert [item.confidence for item in items] == pytest.approx([one.confidence for one in offered], abs=1e-3)
+
+    legend = volume.canvas_area.strip.legend
+    volume.workspace.slices.go_through((9.0, 10.0, COLUMNS[0]))
+    volume.workspace.slices.set_axis(2)
+    legend.update_now()
+    assert [(entry.count, entry.text) for entry in legend.entries if entry.text == "accepted"] == [(3, "accepted")]
+
+    status = volume.session.status
+    volume.workspace.object_list.select_objects([items[0].number])
+    volume.actions_by_name["freeze_object"].trigger()
+    hand.wait(lambda: volume.session.idle)
+    assert volume.session.document.objects.items[0].frozen
+    assert (volume.session.status.phase, volume.session.status.step) == ("finished", status.step)
+
+
+def test_a_click_in_one_of_bodies_that_touch_selects_what_the_run_proposes_there(volume_file: Path) -> None:
+    image = cpm.load_volume(volume_file)
+    result = cpm.segment(image, cpm.seeds_everywhere(image), cpm.PRESETS["volume"])
+    bodies = cpm.partition(result)
+    for column in COLUMNS:
+        proposed = next(one for one in result.objects if one.mask[9, 10, int(column)])
+        assert (bodies.select([(9, 10, column)]).mask == proposed.mask).all()
+    one, other, apart = ((9.0, 10.0, column) for column in COLUMNS)
+    whole = bodies.select([one, other])
+    assert (bodies.select([other], previous=bodies.select([one])).mask == whole.mask).all()
+    assert (bodies.select([one, other], [other]).mask == bodies.select([one]).mask).all()
+    assert bodies.find_candidates([one])[-1].mask[9, 10, int(COLUMNS[1])]
+    assert not whole.mask[9, 10, int(apart[2])]

@@ -6,11 +6,12 @@ import nibabel
 import numpy as np
 import pytest
 from cpm_app.views.features.files import OpenSaveFeature
-from cpm_app.views.features.volumes import SlicesFeature
+from cpm_app.views.features.volumes import SlicesFeature, SpaceFeature
 from PySide6.QtCore import QMimeData, QPoint, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QFileDialog
 
+from cpm_core.formats.masks.labels import label_palette
 from tests.app.views.volume.conftest import ball, open_file
 
 pytestmark = pytest.mark.shared_window
@@ -76,7 +77,7 @@ def test_labels_dropped_with_shift_are_shown_where_they_lie_and_undone(head, han
 def test_a_gray_image_is_opened_by_the_menu_switched_saved_and_removed(head, hand, tmp_path, monkeypatch) -> None:
     pet = save(tmp_path / "pet.nii", np.indices((40, 40, 40))[0] / 3.0, np.diag([1.0, 1.0, 1.5, 1.0]))
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(pet), ""))
-    head.trigger_action("overlay")
+    head.trigger_action("second_image")
     hand.wait(lambda: head.session.scene.second is not None)
     second, layer = head.session.scene.second, head.canvas_area.canvas.layers["second"]
     columns = np.diff(np.moveaxis(second.shades, -1, 0).reshape(second.shades.shape[-1], -1).max(axis=1).astype(int))
@@ -86,12 +87,43 @@ def test_a_gray_image_is_opened_by_the_menu_switched_saved_and_removed(head, han
     head.actions_by_name["layer_second"].trigger()
     saved = tmp_path / "kept.cpm"
     head.get_feature(OpenSaveFeature).document_file.save_and_wait(saved)
-    head.trigger_action("remove_overlay")
+    head.trigger_action("remove_second_image")
     assert head.session.scene.second is None and head.session.document.second is None
     head.open_image(str(saved))
     hand.wait(lambda: head.session.scene.second is not None)
     np.testing.assert_array_equal(head.session.scene.second.shades, second.shades)
     assert not head.get_feature(OpenSaveFeature).document_file.unsaved
+
+
+def test_the_second_image_is_seen_in_space_in_slices_and_as_brightest_voxels(head, hand, labels) -> None:
+    view = head.get_feature(SpaceFeature).panel.view
+    bar = head.get_feature(SpaceFeature).panel.bar
+    table = label_palette(255)[1].astype(int)
+
+    def count_colored() -> int:
+        hand.wait(lambda: view.is_idle)
+        colors = view._frame.picture.colors.astype(int)
+        return int((np.ptp(colors, axis=-1) > 0.4 * np.ptp(table)).sum())
+
+    for part in ("slices", "projection"):
+        bar.checks[part].setChecked(True)
+        plain = count_colored()
+        drop(head, labels, SHIFT)
+        hand.wait(lambda: head.session.scene.second is not None)
+        assert count_colored() > plain + 50, part
+        head.actions_by_name["layer_second"].trigger()
+        assert count_colored() == plain, part
+        head.actions_by_name["layer_second"].trigger()
+        head.trigger_action("remove_second_image")
+        hand.wait(lambda: head.session.scene.second is None)
+        bar.checks[part].setChecked(False)
+
+
+def test_the_menu_of_channels_cannot_be_opened_for_an_image_of_one_and_says_why(window) -> None:
+    (file,) = (action.menu() for action in window.menuBar().actions() if action.text().replace("&", "") == "File")
+    (channels,) = (one for one in file.actions() if one.text() == "Second image from a &channel")
+    file.aboutToShow.emit()
+    assert (channels.isEnabled(), channels.toolTip()) == (False, "The image has one channel.")
 
 
 def test_a_mask_of_an_image_lies_over_it(window, hand, tmp_path) -> None:

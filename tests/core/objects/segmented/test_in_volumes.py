@@ -13,6 +13,7 @@ from cpm_core.objects.segmented import (
     SegmentedObjects,
     fill_between_slices,
     paint_voxels,
+    split_object_along,
     split_painted_object,
     unite_objects,
     voxelize_brush,
@@ -155,6 +156,21 @@ def test_paint_takes_from_others_where_they_may_overlap_but_never_from_frozen_or
     clear = paint_voxels(apart(objects), 4, body(masks[3]))
     assert clear.items[:3] == objects.items
     assert np.array_equal(whole(clear[4].region), masks[3] & ~np.any(alone, axis=0))
+
+
+def test_no_confidence_is_known_of_what_a_user_has_painted_split_or_united_in_image_and_volume():
+    there, part = np.zeros((2, *SHAPE), bool)
+    there[2:6, 2:7, 2:8], part[3:5, 3:5, 7:9] = True, True
+    sure = replace(painted(there), items=(replace(painted(there)[1], confidence=0.9),))
+    other = replace(SegmentedObject(2, (), body(part)), confidence=0.8)
+    after = paint_voxels(sure, 1, body(part), adds=False)[1]
+    halves = split_painted_object(sure[1], (3, 4, 3), (3, 4, 7), (1.0,) * 3)
+    flat = SegmentedObject(1, (), Region((((2.0, 2.0), (2.0, 9.0), (9.0, 9.0), (9.0, 2.0)),)), confidence=0.9)
+    line = [(0.0, 5.5), (11.0, 5.5)]
+    parts = split_object_along(flat, line, None)
+    made = after, halves.first, halves.second, unite_objects(sure[1], other), parts.first, unite_objects(flat, flat)
+    assert [item.confidence for item in made] == [0.0] * 6
+    assert paint_voxels(apart(sure), 3, body(part))[1].confidence == 0.9
 
 
 def test_an_object_that_is_painted_over_whole_is_gone():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from cpm_core.reconstruction.surface.joints import SaddleSurroundings
+from cpm_core.reconstruction.surface.joints import SaddleSurroundings, contrast_around_path
 from tests.core.reconstruction.surface import solids
 from tests.core.reconstruction.surface.solids import ball, brick, ring, rod, scene, surface_of, union, without
 
@@ -46,6 +46,17 @@ def test_voxels_need_not_be_cubes(solid):
     assert surface.euler == cubes.euler
     assert surface.volume == pytest.approx(cubes.volume, rel=0.02)
     assert surface.area == pytest.approx(cubes.area, rel=0.02)
+
+
+@pytest.mark.parametrize("path", [[5, 6, 5, 6], [5, 6, 7, 6, 5]])
+def test_the_contrast_around_a_path_that_turns_back_on_the_spot_is_a_number(path) -> None:
+    there = np.column_stack([np.full((len(path), 2), 5), path]).astype(float)
+    volume, nowhere = np.ones((12, 12, 12), np.float32), np.empty((0, 3))
+    volume[5, 5] = 3.0
+    around = SaddleSurroundings(volume, 1.0, nowhere, nowhere, np.empty(0), np.ones(3))
+    with np.errstate(all="raise"):
+        contrast = contrast_around_path(there, around, 1.0)
+    assert (contrast > 0.5).all()
 
 
 @pytest.mark.parametrize("shape", ["balls", "rod ends", "crossing rods", "bricks"])
