@@ -35,6 +35,9 @@ from tests.benchmarks.prior.regression import curve, learned
 from tests.benchmarks.prior.scenes import made_up
 
 CLICKS = 4
+SCENES = ("clean", "drawn", "nested", "made_up")
+"""Kinds of scenes that are made up."""
+
 EVERYWHERE = 4
 """Images of a kind, at most, in which objects are found everywhere."""
 
@@ -58,12 +61,13 @@ def scenes(folder: Path, outlined: Sequence[Path], most: int, seed: int) -> dict
     grounds = pictures.photographs(outlined)
     grounds = [grounds[k] for k in rng.choice(len(grounds), min(len(grounds), most), replace=False)]
     clips = pictures.drawings(folder, random.Random(seed))
-    return {
-        "clean": [clean(clips, rng) for _ in range(most)],
-        "drawn": [drawn(clips, grounds, rng) for _ in range(most)],
-        "nested": [nested(clips, grounds, rng) for _ in range(most)],
-        "made_up": [made_up(rng) for _ in range(most)],
-    }
+    made = (
+        [clean(clips, rng) for _ in range(most)],
+        [drawn(clips, grounds, rng) for _ in range(most)],
+        [nested(clips, grounds, rng) for _ in range(most)],
+        [made_up(rng) for _ in range(most)],
+    )
+    return dict(zip(SCENES, made, strict=True))
 
 
 def deepest(mask: Mask) -> tuple[tuple[float, float], float]:
@@ -148,7 +152,9 @@ def write(rows: Sequence[Row], seed: int) -> None:
     signs = np.array([confidence.encode_features(row[2]) for row in rows])
     right, kind = np.array([float(row[3]) for row in rows]), np.array([row[0] for row in rows])
     counts = Counter(kind.tolist())
-    weights = np.array([len(rows) / (len(counts) * counts[name]) for name in kind.tolist()])
+    # scenes, whose boundaries are beyond doubt, count as much as all images, and kinds as much as one another
+    kinds_alike = Counter(name in SCENES for name in counts)
+    weights = np.array([len(rows) / (2 * kinds_alike[name in SCENES] * counts[name]) for name in kind.tolist()])
     for name in counts:
         out = kind == name
         numbers = learned(signs[~out], right[~out], weights[~out])
