@@ -12,7 +12,7 @@ import skimage
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import Window, expand_window, find_largest_part
 from cpm_core.numerics.types import Extent, Mask, record
-from cpm_core.objects.candidate_regions import NECK_SOLIDITY, has_neck, is_part_of, measure_solidity
+from cpm_core.objects.candidate_regions import has_neck, is_part_of, measure_solidity
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures
 from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.merged_basins import MIN_OBJECT_AREA
@@ -155,7 +155,7 @@ class RegionEvidence:
             float(np.percentile(deep, _STRONG_PERCENTILE)) / max(usual, _TINY) if deep.size else 1.0,
             float(values[mask].std()) / self.parts.gray_span,
             candidate.unambiguous,
-            solidity < NECK_SOLIDITY and has_neck(region),
+            has_neck(region, solidity),
         )
 
 
