@@ -29,6 +29,20 @@ _BODY_MARGIN = 4
 _TABLE_COLUMNS = ("volume", "area", "center", "confidence")
 """Columns of a table of objects besides their numbers."""
 
+_OBJECT_TYPE = np.dtype(
+    [
+        ("body", np.int64),
+        ("is_part", bool),
+        ("volume", float),
+        ("area", float),
+        ("center", float, 3),
+        ("confidence", float),
+        ("first", np.int64, 3),
+        ("shape", np.int64, 3),
+    ]
+)
+"""What is stored of an object besides its voxels."""
+
 
 def run_volume(task: ChunkedTask, compute: Compute, side: int = VOLUME_CHUNK_SIDE) -> ChunkedBodies:
     """Find all bodies, or objects; what the store holds of a run with the same settings is not found again."""
@@ -47,24 +61,26 @@ def find_volume_objects(bodies: ChunkedBodies, compute: Compute) -> ChunkedBodie
     store, grid, table = bodies.volume.task.store, bodies.grid, bodies.table
     map_chunks(compute, partial(_find_chunk_objects, bodies), store, grid.chunks, OBJECTS_KIND)
     found = [store.load(chunk_file_name(OBJECTS_KIND, chunk.number)) for chunk in grid.chunks]
-    rows = {name: np.concatenate([one[name] for one in found]) for name in ("body", "is_part", *_TABLE_COLUMNS)}
-    left = ~np.isin(table["label"], rows["body"])
-    rows["body"] = np.concatenate([rows["body"], table["label"][left]])
-    rows["is_part"] = np.concatenate([rows["is_part"], np.zeros(left.sum(), bool)])
-    for name in _TABLE_COLUMNS:
-        rows[name] = np.concatenate([rows[name], table[name][left] if name in table else np.full(left.sum(), np.nan)])
+    other = ~np.isin(table["label"], np.concatenate([one["body"] for one in found]))
+    unchanged = {name: column[other] for name, column in table.items()}
+    unchanged |= {"body": unchanged["label"], "is_part": np.zeros(other.sum(), bool)}
+    unchanged["confidence"] = np.full(other.sum(), np.nan)
+    rows = {
+        name: np.concatenate([one[name] for one in (*found, unchanged)])
+        for name in ("body", "is_part", *_TABLE_COLUMNS)
+    }
     order = np.lexsort((-rows["volume"], -np.nan_to_num(rows["confidence"])))
     number = np.empty(len(order), np.int64)
     number[order] = np.arange(1, len(order) + 1)
     of_body = np.zeros(bodies.count + 1, np.int64)
     whole = ~rows["is_part"]
     of_body[rows["body"][whole]] = number[whole]
-    ends = np.cumsum([len(one["body"]) for one in found])[:-1]
+    ends = np.cumsum([len(one["body"]) for one in found])
     return replace(
         bodies,
         table={"label": np.arange(1, len(order) + 1)} | {name: rows[name][order] for name in _TABLE_COLUMNS},
         body_of_part=of_body[bodies.body_of_part],
-        object_numbers=tuple(np.split(number[: sum(len(one["body"]) for one in found)], ends)),
+        object_numbers=tuple(np.split(number, ends)[:-1]),
     )
 
 
@@ -75,13 +91,10 @@ def load_split_objects(bodies: ChunkedBodies, chunk: Chunk) -> Iterator[tuple[in
     known = bodies.volume.task.store.load(chunk_file_name(OBJECTS_KIND, chunk.number))
     is_part = known["is_part"]
     numbers, firsts, shapes = (
-        bodies.object_numbers[chunk.number][is_part],
-        known["first"][is_part],
-        known["shape"][is_part],
+        column[is_part] for column in (bodies.object_numbers[chunk.number], known["first"], known["shape"])
     )
-    ends = np.cumsum(shapes.prod(axis=1))
-    voxels = np.split(np.unpackbits(known["bits"]).view(bool)[: ends[-1]], ends[:-1]) if len(ends) else []
-    for number, first, shape, mask in zip(numbers.tolist(), firsts.tolist(), shapes, voxels, strict=True):
+    masks = np.split(np.unpackbits(known["bits"]).view(bool), np.cumsum(shapes.prod(axis=1)))[:-1]
+    for number, first, shape, mask in zip(numbers.tolist(), firsts.tolist(), shapes, masks, strict=True):
         yield number, Region.from_mask(mask.reshape(shape), first)
 
 
@@ -148,12 +161,7 @@ def _describe_object(found: Selection, body: int, first: Index) -> JsonDict:
 
 def _stack_rows(rows: list[JsonDict]) -> JsonDict:
     """Stack the descriptions of objects."""
-    kinds = {"body": np.int64, "is_part": bool, "first": np.int64, "shape": np.int64}
-    wide = {"center": (-1, 3), "first": (-1, 3), "shape": (-1, 3)}
-    names = ("body", "is_part", *_TABLE_COLUMNS, "first", "shape")
-    stacked = {
-        name: np.array([row[name] for row in rows], kinds.get(name, float)).reshape(wide.get(name, -1))
-        for name in names
-    }
+    names = _OBJECT_TYPE.names or ()
+    stacked = np.array([tuple(row[name] for name in names) for row in rows], _OBJECT_TYPE)
     masks = np.concatenate([np.empty(0, bool), *(row["mask"].ravel() for row in rows)])
-    return stacked | {"bits": np.packbits(masks)}
+    return {name: stacked[name] for name in names} | {"bits": np.packbits(masks)}

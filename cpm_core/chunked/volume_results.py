@@ -50,7 +50,6 @@ def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compu
     facts = describe_image_provenance(levels.name, build_provenance(task))
     notes = (PROGRAM_NAME, "SPACE=LPS", f"UNIT={ascii_unit(levels.unit, 'voxel')}", dump_provenance(facts))
     names, faces = [], 0
-    split = (one for chunk in grid.chunks for one in load_split_objects(bodies, chunk))
     shells: list[tuple[Index, int, int]] = []
     with draft.with_suffix(".vertices").open("w+b") as vertices, draft.open("wb") as file:
         for chunk in grid.chunks:
@@ -60,11 +59,12 @@ def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compu
             faces += len(corners)
         firsts = np.cumsum([0, *map(len, names)])
         count = int(firsts[-1])
-        for number, region in split:
-            shell = region.find_surface()
-            vertices.write(to_file_coordinates(shell.vertices, levels.spacing, None).astype("<f4").tobytes())
-            shells.append((shell.faces, count, number))
-            count, faces = count + len(shell.vertices), faces + len(shell.faces)
+        for chunk in grid.chunks:
+            for number, region in load_split_objects(bodies, chunk):
+                shell = region.find_surface()
+                vertices.write(to_file_coordinates(shell.vertices, levels.spacing, None).astype("<f4").tobytes())
+                shells.append((shell.faces, count, number))
+                count, faces = count + len(shell.vertices), faces + len(shell.faces)
         file.write(ply.format_ply_header(notes, count, faces, numbered=True))
         vertices.seek(0)
         while some := vertices.read(2**24):

@@ -11,7 +11,7 @@ others, and all is done once more.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -106,29 +106,26 @@ def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> lis
 def predict_candidates(evidence: RegionEvidence, check: Callback = lambda: None) -> list[Candidate]:
     """Predict the candidates for the objects of an image."""
     found = CandidateRegions.from_parts(evidence.parts)
-    predicted: list[list[Candidate]] = [[] for _ in found.regions]
+    candidates = _predict_possible(evidence.predict_candidates, found.regions, found, check)
+    clumps = _find_clumps(map(rate_candidate, candidates, evidence.measure_candidates(candidates)), found.values)
+    return candidates + _predict_possible(evidence.predict_parts, clumps, found, check)
 
-    def predict(first: int, end: int) -> None:
+
+def _predict_possible(
+    predict: Callable[[Candidate], Iterable[Candidate]],
+    known: list[Candidate],
+    found: CandidateRegions,
+    check: Callback,
+) -> list[Candidate]:
+    """Predict candidates from known ones, and keep those that may be objects beside the regions that were found."""
+    predicted: list[list[Candidate]] = [[] for _ in known]
+
+    def predict_some(first: int, end: int) -> None:
         for number in range(first, end):
             check()
-            predicted[number] = list(evidence.predict_candidates(found.regions[number]))
+            predicted[number] = list(predict(known[number]))
 
-    run_in_parallel(predict, len(predicted), 1)
-    candidates = _keep_possible(predicted, found)
-    clumps = find_clumps(map(rate_candidate, candidates, evidence.measure_candidates(candidates)), found.values)
-    parts: list[list[Candidate]] = [[] for _ in clumps]
-
-    def predict_parts(first: int, end: int) -> None:
-        for number in range(first, end):
-            check()
-            parts[number] = list(evidence.predict_parts(clumps[number]))
-
-    run_in_parallel(predict_parts, len(parts), 1)
-    return candidates + _keep_possible(parts, found)
-
-
-def _keep_possible(predicted: Iterable[Iterable[Candidate]], found: CandidateRegions) -> list[Candidate]:
-    """Keep the candidates that may be objects beside the regions that were found."""
+    run_in_parallel(predict_some, len(known), 1)
     return [
         one
         for one in itertools.chain.from_iterable(predicted)
@@ -136,12 +133,11 @@ def _keep_possible(predicted: Iterable[Iterable[Candidate]], found: CandidateReg
     ]
 
 
-def find_clumps(rated: Iterable[Candidate], values: Array) -> list[Region]:
+def _find_clumps(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
     """Find likely objects of an image, shape (H, W), that may be several objects."""
-    likely = _choose_beside([], _order_likely(rated), values)
     return [
-        one.region
-        for one in likely
+        one
+        for one in _choose_beside([], _order_likely(rated), values)
         if one.confidence >= _MIN_SIBLING_CONFIDENCE
         and one.region.size >= _MIN_CLUMP_AREA
         and may_be_several(one.region)
@@ -185,11 +181,7 @@ def find_likely_objects(rated: Iterable[Candidate], values: Array) -> list[Candi
 def weigh_siblings(
     rated: list[Candidate], likely: list[Candidate], values: Array
 ) -> Iterator[tuple[float, float, float]]:
-    """Weigh the likely objects beside each candidate.
-
-    Yields the sums of their weights with a sign that says whether edges rise alike, and without, and by how much the
-    boundary is weaker than theirs, as `estimate_among_siblings` takes them.
-    """
+    """Weigh the likely objects beside each candidate: yield what `estimate_among_siblings` takes after confidence."""
     rises = [is_brighter_outside(found.region, values) for found in likely]
     strengths = [float(np.log(found.strength + FAINT)) for found in likely]
     for one in rated:
@@ -209,7 +201,7 @@ def weigh_siblings(
 def _choose_likeliest(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
     """Choose the likeliest candidate, the likeliest of those that do not overlap with it, and so on.
 
-    Then one in which others lie that are more than one object together gives way to these.
+    Then an object gives way to several that lie in it, if these count more together.
     """
     ordered = _order_likely(rated)
     chosen = _choose_beside([], ordered, values)
@@ -232,7 +224,7 @@ def _order_likely(rated: Iterable[Candidate]) -> list[Candidate]:
 
 
 def _choose_beside(chosen: list[Candidate], ordered: list[Candidate], values: Array) -> list[Candidate]:
-    """Choose candidates, the likeliest of which come first, that may be objects beside those chosen before."""
+    """Choose among candidates, the likeliest first, those that may be objects beside others chosen before."""
     found: list[Candidate] = []
     for one in ordered:
         region = _fit_between(one, [other.region for other in itertools.chain(chosen, found)], values)

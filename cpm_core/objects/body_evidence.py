@@ -11,10 +11,11 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.background import measure_edge_steps
 from cpm_core.objects.boundaries.necks import split_at_necks
-from cpm_core.objects.confidence import BodyFeatures, ChoiceFeatures, estimate_body_confidence, rank_body
+from cpm_core.objects.confidence import BodyFeatures, ChoiceFeatures, estimate_body_confidence, score_choice
 from cpm_core.objects.selection import Selection
 
 _MIN_SOLIDITY = 0.75
@@ -40,16 +41,13 @@ def split_at_clear_necks(mask: Mask, sides: Array) -> list[Mask]:
 
 
 def find_meant_body(found: Sequence[Selection]) -> Selection:
-    """Find which of some bodies around a click is meant: a compact one with edges all around, rather a small one."""
-    return max(found, key=lambda one: rank_body(measure_choice(one)) if one.has_boundary else -np.inf)
+    """Find the body that a click means among those around it: compact, with edges all around, rather a small one."""
+    return max(found, key=lambda one: score_choice(measure_choice(one)) if one.has_boundary else -np.inf)
 
 
 def measure_choice(found: Selection) -> ChoiceFeatures:
     """Measure what tells whether a body around a click is meant; by its surface alone, since this is fast."""
-    surface, image = found.surface, found.image
-    if surface is None or image is None:
-        raise ValueError("a body without voxels, or of an unknown volume, cannot be measured.")
-    steps = measure_edge_steps(image.values, surface)
+    surface, steps = _measure_steps(found)
     rises = steps * np.sign(np.median(steps)) if len(steps) else steps
     volume = max(surface.volume / float(np.prod(surface.spacing)), 1.0)
     gaps = np.count_nonzero(rises < _MIN_RELATIVE_STEP * np.median(rises)) / len(rises) if len(rises) else 1.0
@@ -63,10 +61,7 @@ def rate_body(found: Selection) -> Selection:
 
 def measure_body(found: Selection) -> BodyFeatures:
     """Measure what the confidence of a body is estimated from."""
-    surface, image = found.surface, found.image
-    if surface is None or image is None:
-        raise ValueError("a body without voxels, or of an unknown volume, cannot be measured.")
-    steps = measure_edge_steps(image.values, surface)
+    surface, steps = _measure_steps(found)
     deviation = float(steps.std()) if len(steps) else 0.0
     volume = float(found.region.count)
     return BodyFeatures(
@@ -75,6 +70,14 @@ def measure_body(found: Selection) -> BodyFeatures:
         volume=volume,
         cut_share=1.0 - len(steps) / len(surface.vertices),
     )
+
+
+def _measure_steps(found: Selection) -> tuple[Surface, Array]:
+    """Measure how gray levels rise across the surface of a body; return the surface, too."""
+    surface, image = found.surface, found.image
+    if surface is None or image is None:
+        raise ValueError("a body without voxels, or of an unknown volume, cannot be measured.")
+    return surface, measure_edge_steps(image.values, surface)
 
 
 def _measure_hull(mask: Mask) -> float:

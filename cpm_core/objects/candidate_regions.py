@@ -61,11 +61,10 @@ _MIN_BODY_SHARE = 0.1
 _MAX_CUT_SHARE = 0.5
 """Largest share of the outer boundary of a region that may run along the border of the regions of interest."""
 
-
 _MIN_SINGLE_SOLIDITY = 0.9
 """Solidity below which a region may be several objects."""
 
-NECK_SOLIDITY = 0.97
+_NECK_SOLIDITY = 0.97
 """Solidity from which a region has no neck."""
 
 
@@ -251,13 +250,13 @@ def measure_solidity(region: Region) -> float:
 def may_be_several(region: Region) -> bool:
     """Return whether a region may be several objects that touch: far from convex, or with a neck."""
     solidity = measure_solidity(region)
-    return solidity < _MIN_SINGLE_SOLIDITY or (solidity < NECK_SOLIDITY and has_neck(region))
+    return solidity < _MIN_SINGLE_SOLIDITY or has_neck(region, solidity)
 
 
-def has_neck(region: Region) -> bool:
-    """Return whether a region has a neck between two bodies that may be objects."""
-    least = max(MIN_OBJECT_AREA, _MIN_BODY_SHARE * region.size)
-    if region.size < 2 * MIN_OBJECT_AREA:
+def has_neck(region: Region, solidity: float) -> bool:
+    """Return whether a region of some solidity has a neck between two bodies that may be objects."""
+    if solidity >= _NECK_SOLIDITY or region.size < 2 * MIN_OBJECT_AREA:
         return False
+    least = max(MIN_OBJECT_AREA, _MIN_BODY_SHARE * region.size)
     bodies = split_at_necks(np.pad(region.mask, 1))
     return bool(np.count_nonzero(np.bincount(bodies.ravel())[1:] >= least) > 1)

@@ -1,9 +1,10 @@
 """Confidence: the probability that an object is the intended one, estimated from a few features.
 
-The estimate is a logistic regression, with weights of their own for objects that a prompt selects and for those that
-are found everywhere. `tests/benchmarks/prior/sure.py` and `tests/benchmarks/prior/found.py` learn them from objects
+The estimate is a logistic regression, with weights of their own for objects that a prompt selects, for those that are
+found everywhere, and for bodies of volumes; a score of the same kind tells which of several bodies a click means.
+`sure.py`, `found.py`, `sure_bodies.py` and `meant_bodies.py` in `tests/benchmarks/prior` learn the weights from objects
 that are used for nothing else, neither training nor measurements, and write them with their origin to
-`confidence.json` and `confidence_everywhere.json`.
+`confidence.json`, `confidence_everywhere.json` and `confidence_bodies.json`.
 """
 
 from __future__ import annotations
@@ -142,64 +143,61 @@ class ChoiceFeatures(NamedTuple):
     gap_share: float
 
 
-def encode_features(signs: ConfidenceFeatures) -> Array:
+def encode_features(features: ConfidenceFeatures) -> Array:
     """Encode the features as inputs of the logistic regression, shape (7,)."""
-    shares = scipy.special.logit(np.clip(signs[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
-    return np.array([*shares, np.log(max(signs.point_count, 1)), signs.point_count == 0, signs.unambiguous])
+    shares = scipy.special.logit(np.clip(features[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
+    return np.array([*shares, np.log(max(features.point_count, 1)), features.point_count == 0, features.unambiguous])
 
 
-def estimate_confidence(signs: ConfidenceFeatures) -> float:
-    """Estimate the probability that an object is correct, by the logistic rule of this module."""
-    *weights, offset = _load_weights("confidence.json")
-    return min(float(scipy.special.expit(np.array(weights) @ encode_features(signs) + offset)), _MAX_CONFIDENCE)
+def estimate_confidence(features: ConfidenceFeatures) -> float:
+    """Estimate the probability that an object is correct."""
+    return _estimate_probability("confidence.json", encode_features(features))
 
 
-def encode_region(signs: RegionFeatures) -> Array:
+def encode_region(features: RegionFeatures) -> Array:
     """Encode the features of a region as inputs of the logistic regression, shape (13,)."""
-    shares = scipy.special.logit(np.clip(signs[:3], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
-    rest = signs.solidity, signs.border_share, np.log(signs.strength + FAINT), signs.weakest
-    size = np.log(min(signs.area, LARGE_AREA))
-    inner = min(signs.inside, _MAX_INSIDE)
+    shares = scipy.special.logit(np.clip(features[:3], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
     return np.array(
         [
             *shares,
-            signs.rivalry,
-            size,
-            *rest,
-            inner,
-            np.log(signs.variation + FAINT),
-            signs.unambiguous,
-            signs.has_neck,
+            features.rivalry,
+            np.log(min(features.area, LARGE_AREA)),
+            features.solidity,
+            features.border_share,
+            np.log(features.strength + FAINT),
+            features.weakest,
+            min(features.inside, _MAX_INSIDE),
+            np.log(features.variation + FAINT),
+            features.unambiguous,
+            features.has_neck,
         ]
-    ).astype(float)
+    )
 
 
-def estimate_region_confidence(signs: RegionFeatures) -> float:
+def estimate_region_confidence(features: RegionFeatures) -> float:
     """Estimate the probability that a region found everywhere is an object."""
-    *weights, offset = _load_weights("confidence_everywhere.json")
-    return min(float(scipy.special.expit(np.array(weights) @ encode_region(signs) + offset)), _MAX_CONFIDENCE)
+    return _estimate_probability("confidence_everywhere.json", encode_region(features))
 
 
-def encode_body(signs: BodyFeatures) -> Array:
+def encode_body(features: BodyFeatures) -> Array:
     """Encode the features of a body as inputs of the logistic regression, shape (4,)."""
-    size = np.log(min(signs.volume, LARGE_VOLUME))
-    return np.array([np.log(signs.steadiness + FAINT), signs.solidity, size, signs.cut_share])
+    size = np.log(min(features.volume, LARGE_VOLUME))
+    return np.array([np.log(features.steadiness + FAINT), features.solidity, size, features.cut_share])
 
 
-def estimate_body_confidence(signs: BodyFeatures) -> float:
+def estimate_body_confidence(features: BodyFeatures) -> float:
     """Estimate the probability that a body of a volume is an object."""
-    *weights, offset = _load_weights("confidence_bodies.json")
-    return min(float(scipy.special.expit(np.array(weights) @ encode_body(signs) + offset)), _MAX_CONFIDENCE)
+    return _estimate_probability("confidence_bodies.json", encode_body(features))
 
 
-def encode_choice(signs: ChoiceFeatures) -> Array:
-    """Encode what tells the body that a click means from others around it, shape (3,)."""
-    return np.array([signs.solidity, np.log(signs.volume), signs.gap_share])
+def encode_choice(features: ChoiceFeatures) -> Array:
+    """Encode the features of a body around a click as inputs of the score, shape (3,)."""
+    return np.array([features.solidity, np.log(features.volume), features.gap_share])
 
 
-def rank_body(signs: ChoiceFeatures) -> float:
-    """Return how much likelier than others around a click a body is to be meant [difference of logarithms]."""
-    return float(np.array(_load_weights("confidence_bodies.json", "choice")) @ encode_choice(signs))
+def score_choice(features: ChoiceFeatures) -> float:
+    """Score how likely it is that a click means a body, to compare those around it [log odds but for a constant]."""
+    return float(np.array(_load_weights("confidence_bodies.json", "choice")) @ encode_choice(features))
 
 
 def encode_siblings(confidence: float, agreement: float, amount: float, weakness: float) -> Array:
@@ -220,13 +218,18 @@ def estimate_among_siblings(confidence: float, agreement: float, amount: float, 
     weakness : float
         By how much its boundary is weaker than theirs on average, as a logarithm times the sum of their weights.
     """
-    *weights, offset = _load_weights("confidence_everywhere.json", "siblings")
-    odds = np.array(weights) @ encode_siblings(confidence, agreement, amount, weakness) + offset
-    return min(float(scipy.special.expit(odds)), _MAX_CONFIDENCE)
+    encoded = encode_siblings(confidence, agreement, amount, weakness)
+    return _estimate_probability("confidence_everywhere.json", encoded, "siblings")
+
+
+def _estimate_probability(name: str, encoded: Array, rule: str = "numbers") -> float:
+    """Estimate a probability from encoded features by a rule of a file of this folder."""
+    *weights, offset = _load_weights(name, rule)
+    return min(float(scipy.special.expit(np.array(weights) @ encoded + offset)), _MAX_CONFIDENCE)
 
 
 @cache
-def _load_weights(name: str, rule: str = "numbers") -> tuple[float, ...]:
-    """Load the weights of a rule, and last its offset, from a file of this folder."""
+def _load_weights(name: str, rule: str) -> tuple[float, ...]:
+    """Load the weights of a rule, last its offset if it estimates a probability, from a file of this folder."""
     stored = json.loads(files("cpm_core.objects").joinpath(name).read_text("utf-8"))
     return tuple(stored[rule])

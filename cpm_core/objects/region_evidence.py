@@ -11,8 +11,8 @@ import skimage
 
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import Window, expand_window, find_largest_part
-from cpm_core.numerics.types import Extent, Index, Mask, record
-from cpm_core.objects.candidate_regions import NECK_SOLIDITY, has_neck, is_part_of, measure_solidity
+from cpm_core.numerics.types import Extent, Mask, record
+from cpm_core.objects.candidate_regions import has_neck, is_part_of, measure_solidity
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures
 from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.merged_basins import MIN_OBJECT_AREA
@@ -82,8 +82,9 @@ class RegionEvidence:
             changed, has_holes = Region.from_mask(find_largest_part(mask)), region.filled != region
             yield Candidate(changed if has_holes else changed.filled, features, likelihood=found.predicted_iou)
 
-    def predict_parts(self, whole: Region) -> Iterator[Candidate]:
-        """Predict what the network finds in a region that may be several objects, around places between its edges."""
+    def predict_parts(self, clump: Candidate) -> Iterator[Candidate]:
+        """Predict by the network, in crops around places between edges, the parts of what may be several objects."""
+        whole = clump.region
         window = expand_window(whole.window, 1, self.partition.shape)
         mask, strength = whole.cut_out(window), self.parts.edge_strength[window]
         edges = strength > np.percentile(strength[mask], _EDGE_PERCENTILE)
@@ -96,9 +97,10 @@ class RegionEvidence:
         found = []
         for pixel in deepest + [side.start for side in window]:
             for answer in self.partition.predict_at_scales(pixel, largest):
-                inside = _find_part_at(answer.mask & self.partition.interest, pixel)
-                if inside.any():
-                    part = Region.from_mask(inside).filled
+                inside = answer.mask & self.partition.interest
+                if inside[tuple(pixel)]:
+                    labels, _ = scipy.ndimage.label(inside)
+                    part = Region.from_mask(labels == labels[tuple(pixel)]).filled
                     if is_part_of(part, whole) and part.size >= MIN_OBJECT_AREA:
                         found.append((answer.predicted_iou * answer.mean_certainty, part))
         known: list[Region] = []
@@ -153,14 +155,8 @@ class RegionEvidence:
             float(np.percentile(deep, _STRONG_PERCENTILE)) / max(usual, _TINY) if deep.size else 1.0,
             float(values[mask].std()) / self.parts.gray_span,
             candidate.unambiguous,
-            solidity < NECK_SOLIDITY and has_neck(region),
+            has_neck(region, solidity),
         )
-
-
-def _find_part_at(mask: Mask, pixel: Index) -> Mask:
-    """Find the part of a mask, shape (H, W), that holds a pixel; empty where it holds none."""
-    parts, _ = scipy.ndimage.label(mask)
-    return np.asarray((parts == parts[tuple(pixel)]) & mask) if mask[tuple(pixel)] else np.zeros_like(mask)
 
 
 def _count_border_pixels(mask: Mask, window: Window, shape: Extent) -> int:

@@ -3,10 +3,10 @@
 A body is a connected part of the volume without the surface: the inside of a surface, or the space between two, such as
 the wall of a shell, or the hollow in it. Its boundary consists of the components of the surface next to it; its volume
 and area are measured on triangles, not on voxels. A click selects the body that it lies in, or where it is several that
-touch the one of these, further positive points add other bodies, and negative ones remove bodies. Where no surface
-encloses a click, a network answers that has learned from outlined images (`prior.body_predictor`), and further clicks
-correct its answer: of several bodies around the first one, the one that is meant most probably
-(`body_evidence.find_meant_body`).
+touch, one of these; further positive points add other bodies, and negative ones remove bodies. Where no surface
+encloses a click, a network answers that has learned from outlined images (`prior.body_predictor`): of the bodies that
+it predicts around the click, with the one that is most probably meant (`body_evidence.find_meant_body`). Further clicks
+correct this answer.
 """
 
 from __future__ import annotations
@@ -268,8 +268,8 @@ class VolumePartition:
     ) -> tuple[Selection, ...]:
         """Find the different bodies that points, shape (M, 3) [voxels], may mean, from the smallest to the largest.
 
-        One of them is the result of `select`, which has the same parameters. The others are the body that surfaces
-        enclose around the first positive point, before it was split, and what the network predicts there.
+        One of them is the result of `select` with the same arguments. The others are the body that surfaces enclose
+        around the first positive point, before it was split, and what the network predicts there.
         """
         first = self.select(inside, outside, previous=previous, excluded=excluded)
         found = [first]
@@ -319,9 +319,9 @@ class VolumePartition:
         elif previous is not None and previous.has_boundary:
             body = body_from_mask(previous.mask, size)
         else:
-            meant = self.predict_around(within[:1])[0].prediction
-            assert meant is not None
-            body = meant
+            predicted = self.predict_around(within[:1])[0].prediction
+            assert predicted is not None
+            body = predicted
         found = self._correct_body(body, within, beyond, remark, painted)
         return replace(found, inside=inside, outside=outside)
 
@@ -405,10 +405,11 @@ class VolumePartition:
     def predict_around(self, place: Array) -> tuple[Selection, ...]:
         """Predict the bodies around a point, shape (1, 3), the one that it means first, each with its prediction.
 
-        A point means one of several bodies, which differ in size, or are parts of each other.
+        They differ in size, or one is part of another.
         """
         key = tuple(place[0].tolist())
-        if key not in self._predicted_around:
+        known = self._predicted_around.get(key)
+        if known is None:
             (at,) = self._clip_points(place) * self._predictor.voxel_sides
             found = []
             for body in self._predictor.predict_bodies(at):
@@ -416,9 +417,10 @@ class VolumePartition:
                 region = Region(surface=surface) if len(surface.faces) else NO_VOXELS
                 found.append(replace(self.build_selection(region, place), prediction=body))
             meant = find_meant_body(found)
+            known = (meant, *(one for one in found if one is not meant))
             self._predicted_around.clear()
-            self._predicted_around[key] = (meant, *(one for one in found if one is not meant))
-        return self._predicted_around[key]
+            self._predicted_around[key] = known
+        return known  # another thread may have cleared the others since
 
     @cached_property
     def _predicted_around(self) -> dict[tuple[float, ...], tuple[Selection, ...]]:

@@ -53,10 +53,10 @@ class BodyPredictor:
     network: Network = field(default_factory=load_trained_network)
 
     def predict_bodies(self, point: Array) -> Iterator[BodyPrediction]:
-        """Predict bodies that a point, shape (3,), may lie in: of several sizes, and their parts at necks.
+        """Predict bodies that a point, shape (3,), may lie in.
 
-        Those around the point come from crops of all sizes, and last from stable regions of similar gray levels, such
-        as an organ in a head.
+        First come those predicted in crops of several sizes, then stable regions of similar gray levels, such as an
+        organ in a head, and last the parts into which necks divide all of these.
         """
         found: list[BodyPrediction] = []
         for crop, probabilities in rank_crop_sizes(point, self._sampler, self.network):

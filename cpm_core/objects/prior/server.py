@@ -114,9 +114,13 @@ def split_lassos(voxels: Index, shape: Extent) -> tuple[Index, list[Mask]]:
                 continue
             across = drawn_area(line.astype(float), shape[:axis] + shape[axis + 1 :])
             if np.count_nonzero(across) > 2 * len(line):
+                enclosed = across.copy()
+                enclosed[tuple(line.T)] = False
+                parts, _ = scipy.ndimage.label(scipy.ndimage.distance_transform_edt(~across) <= _MAX_LINE_DEPTH)
+                across &= np.isin(parts, parts[enclosed])  # clicks beside a closed line enclose nothing
                 area = np.zeros(shape, bool)
                 np.moveaxis(area, axis, 0)[place] = across
                 areas.append(area)
                 depth = scipy.ndimage.distance_transform_edt(across)[tuple(line.T)]
-                left[np.flatnonzero(drawn)[depth <= _MAX_LINE_DEPTH]] = False
+                left[np.flatnonzero(drawn)[(depth > 0.0) & (depth <= _MAX_LINE_DEPTH)]] = False
     return voxels[left], areas

@@ -31,7 +31,7 @@ from cpm_core.objects.all_objects import choose_objects, find_likely_objects, pr
 from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.region_evidence import RegionEvidence
 from cpm_core.objects.selection import Candidate
-from tests.benchmarks.prior.pictures import unlearned
+from tests.benchmarks.prior.pictures import held_out_labels, overlaps
 from tests.benchmarks.prior.regression import curve, learned
 
 MOST = {"nuclei": 24, "embryos": 8, "strawberries": 8} | dict.fromkeys(
@@ -65,18 +65,18 @@ class Candidates(NamedTuple):
     labels: Index
     evidence: RegionEvidence
     candidates: list[Candidate]
-    signs: list[confidence.RegionFeatures]
+    features: list[confidence.RegionFeatures]
     right: Array
 
 
 def labeled_images(folder: Path) -> Iterator[tuple[cpm.Image, Index]]:
     """Some images of a folder, evenly among those that may be used."""
-    names = unlearned(folder)
+    paths = held_out_labels(folder)
     most = MOST.get(folder.name, MOST_OF_OTHERS)
-    for name in names[:: max(len(names) // most, 1)][:most]:
-        stem = name.name.removesuffix("_labels.png")
-        image = next(there for ending in (".png", ".jpg") if (there := name.with_name(stem + ending)).exists())
-        yield cpm.load_image(image), skimage.io.imread(name).astype(np.int64)
+    for path in paths[:: max(len(paths) // most, 1)][:most]:
+        stem = path.name.removesuffix("_labels.png")
+        image = next(there for ending in (".png", ".jpg") if (there := path.with_name(stem + ending)).exists())
+        yield cpm.load_image(image), skimage.io.imread(path).astype(np.int64)
 
 
 def made_up_nets(rng: np.random.Generator) -> tuple[cpm.Image, Index]:
@@ -202,23 +202,18 @@ def candidates_of(kind: str, image: cpm.Image, labels: Index) -> Candidates:
     """Candidates for the objects of an image after a run from everywhere."""
     evidence = RegionEvidence(parts_of(image))
     found = predict_candidates(evidence)
-    areas = np.bincount(labels.ravel())
-    right = np.zeros(len(found))
-    for number, one in enumerate(found):
-        common = np.bincount(labels[one.region.window][one.region.mask], minlength=len(areas))
-        overlap = common / (one.region.size + areas - common)
-        right[number] = overlap[1:].max(initial=0.0) >= confidence.CORRECT_IOU
-    signs = evidence.measure_candidates(found)
-    found = [one._replace(strength=each.strength) for one, each in zip(found, signs, strict=True)]
-    return Candidates(kind, labels, evidence, found, signs, right)
+    best = np.array([overlaps(one.region.paste(labels.shape), labels).max(initial=0.0) for one in found])
+    features = evidence.measure_candidates(found)
+    found = [one._replace(strength=each.strength) for one, each in zip(found, features, strict=True)]
+    return Candidates(kind, labels, evidence, found, features, (best >= confidence.CORRECT_IOU).astype(float))
 
 
 def stacked(images: Sequence[Candidates]) -> tuple[Array, Array, Array]:
     """Encoded features, what is right, and weights, of the candidates of some images."""
-    images = [one for one in images if one.signs]
-    signs = np.array([confidence.encode_region(each) for one in images for each in one.signs])
-    weights = weigh_kinds([(one.kind, len(one.signs)) for one in images])
-    return signs, np.concatenate([one.right for one in images]), weights
+    images = [one for one in images if one.features]
+    features = np.array([confidence.encode_region(each) for one in images for each in one.features])
+    weights = weigh_kinds([(one.kind, len(one.features)) for one in images])
+    return features, np.concatenate([one.right for one in images]), weights
 
 
 def weigh_kinds(sizes: Sequence[tuple[str, int]]) -> Array:
@@ -243,30 +238,28 @@ def beside_siblings(image: Candidates, numbers: Array) -> Array:
 
 def likely_by(image: Candidates, numbers: Array) -> Array:
     """How likely the candidates of an image are by some numbers, shape (N,)."""
-    signs = np.array([confidence.encode_region(each) for each in image.signs]).reshape(-1, len(numbers) - 1)
-    return np.clip(scipy.special.expit(signs @ numbers[:-1] + numbers[-1]), 1e-6, 0.98)
+    features = np.array([confidence.encode_region(each) for each in image.features]).reshape(-1, len(numbers) - 1)
+    return np.clip(scipy.special.expit(features @ numbers[:-1] + numbers[-1]), 1e-6, 0.98)
 
 
 def learned_siblings(images: Sequence[Candidates], numbers: Array) -> Array:
     """The numbers by which siblings count, learned from images after the others."""
-    images = [one for one in images if one.signs]
+    images = [one for one in images if one.features]
     _, right, weights = stacked(images)
     return learned(np.concatenate([beside_siblings(one, numbers) for one in images]), right, weights)
 
 
 def score(image: Candidates, shown_as: Array) -> float:
     """F1 at an overlap of 0.5 of the objects that are chosen with some probabilities."""
-    areas, hit, count = np.bincount(image.labels.ravel()), set(), 0
+    hit, count = set(), 0
     given = zip(image.candidates, shown_as.tolist(), strict=True)
     rated = (one._replace(confidence=confidence) for one, confidence in given)
     for one in choose_objects(rated, image.evidence.partition.values):
         count += 1
-        common = np.bincount(image.labels[one.region.window][one.region.mask], minlength=len(areas))
-        overlap = common / (one.region.size + areas - common)
-        overlap[0] = 0.0
-        if overlap.max() >= 0.5:
+        overlap = overlaps(one.region.paste(image.labels.shape), image.labels)
+        if overlap.max(initial=0.0) >= 0.5:
             hit.add(int(overlap.argmax()))
-    return 2.0 * len(hit) / max(count + np.count_nonzero(areas[1:]), 1)
+    return 2.0 * len(hit) / max(count + np.count_nonzero(np.bincount(image.labels.ravel())[1:]), 1)
 
 
 Prepared = TypeVar("Prepared")
@@ -305,13 +298,13 @@ def learn_numbers(images: Sequence[Candidates], seed: int) -> None:
             matches.append(score(one, shares[-1]))
         shown_right = curve(np.concatenate(shares), np.concatenate(right))
         print(f"{kind:24s} F1 {np.mean(matches):.3f}  shown/right/candidates  {shown_right}")
-    signs, right, weights = stacked(images)
-    numbers = learned(signs, right, weights)
+    features, right, weights = stacked(images)
+    numbers = learned(features, right, weights)
     origin = {
         "numbers": numbers.round(3).tolist(),
         "siblings": learned_siblings(images, numbers).round(3).tolist(),
         "features": f"{', '.join(confidence.RegionFeatures._fields)}; offset",
-        "candidates": {kind: sum(len(one.signs) for one in images if one.kind == kind) for kind in kinds},
+        "candidates": {kind: sum(len(one.features) for one in images if one.kind == kind) for kind in kinds},
         "right": {
             kind: round(float(np.concatenate([one.right for one in images if one.kind == kind]).mean()), 3)
             for kind in kinds

@@ -20,6 +20,7 @@ from numpy.random import Generator
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 import cpm_core as cpm
+from cpm_core.numerics.grids import compute_iou
 from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.objects import confidence
 from cpm_core.objects.body_evidence import measure_choice
@@ -128,7 +129,7 @@ def candidates(seed: int) -> Iterator[tuple[str, Array, Mask]]:
             for one in cpm.partition(cpm.Image(values)).predict_around(place[None].astype(float))
             if one.has_boundary
         ]
-        ious = [np.count_nonzero(one.mask & inside) / np.count_nonzero(one.mask | inside) for one in found]
+        ious = [compute_iou(one.mask, inside) for one in found]
         features = np.array([confidence.encode_choice(measure_choice(one)) for one in found])
         yield kind, features, np.array(ious) >= confidence.CORRECT_IOU
 

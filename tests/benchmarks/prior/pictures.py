@@ -14,7 +14,7 @@ import skimage
 from numpy.typing import NDArray
 from PIL import Image
 
-from cpm_core.numerics.types import Mask, Pixels
+from cpm_core.numerics.types import Array, Index, Mask, Pixels
 
 HELD_OUT = 5
 """The outlines of the first of so many images of a kind, and of every one so many later, are for measuring alone."""
@@ -148,9 +148,16 @@ def outlined(folders: Sequence[Path], chance: random.Random) -> dict[str, list[E
     return kinds
 
 
-def unlearned(folder: Path) -> list[Path]:
+def held_out_labels(folder: Path) -> list[Path]:
     """Files of labels of a folder that the network has not learned from."""
     return sorted(folder.glob("*" + _LABELS))[:: HELD_OUT if folder.name in LEARNED else 1]
+
+
+def overlaps(mask: Mask, labels: Index) -> Array:
+    """Overlap (intersection over union) of an object with each of those that are labeled, from number 1 on."""
+    areas = np.bincount(labels.ravel())
+    common = np.bincount(labels[mask], minlength=len(areas))
+    return (common / (np.count_nonzero(mask) + areas - common))[1:]
 
 
 def objects_of(path: Path, most: int, chance: random.Random) -> Iterator[Example]:

@@ -2,10 +2,9 @@
 
 ``python tests/benchmarks/prior/sure.py --outlined FOLDER... --drawn FOLDER [--objects 20] [--seed 101]`` selects
 objects whose outline is known, by one to four clicks of a robot user, by a circle and by a box, and everywhere in whole
-images, and learns from what speaks for each answer how often it is right. The images of the folders are those that were
-held out when the weights of the prior were grown; the scenes have another seed, and every twentieth drawing is enough.
-It writes the numbers with their origin to `confidence.json`, and prints how well those hold on each kind that have been
-learned from the others.
+images, and learns from what speaks for each answer how often it is right. The images of the folders are those that the
+network has not learned from; the scenes have another seed, and every twentieth drawing is enough. It writes the numbers
+with their origin to `confidence.json`, and prints how well those learned from the other kinds hold on each kind.
 
 It needs ``opencv-python-headless`` besides what `cpm_core` needs.
 """
@@ -26,7 +25,8 @@ import scipy
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 import cpm_core as cpm
-from cpm_core.numerics.types import Index, Mask
+from cpm_core.numerics.grids import compute_iou
+from cpm_core.numerics.types import Mask
 from cpm_core.objects import confidence
 from tests.benchmarks.prior import pictures
 from tests.benchmarks.prior.drawn import clean, drawn
@@ -49,7 +49,7 @@ def held_out(folder: Path, chance: random.Random, most: int) -> list[pictures.Ex
     """Objects of images of a folder that the prior has not learned from."""
     found = [
         example
-        for path in pictures.unlearned(folder)
+        for path in pictures.held_out_labels(folder)
         for example in pictures.objects_of(path, pictures.OBJECTS_OF_AN_IMAGE, chance)
     ]
     return chance.sample(found, min(most, len(found)))
@@ -75,10 +75,6 @@ def deepest(mask: Mask) -> tuple[tuple[float, float], float]:
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
     row, col = np.unravel_index(depth.argmax(), depth.shape)
     return (float(row), float(col)), float(depth.max())
-
-
-def overlap(one: Mask, other: Mask) -> float:
-    return float(np.count_nonzero(one & other)) / max(np.count_nonzero(one | other), 1)
 
 
 def answers(example: pictures.Example, rng: np.random.Generator) -> Iterator[tuple[str, cpm.Selection]]:
@@ -111,23 +107,17 @@ def rows_of(kinds: dict[str, list[pictures.Example]], seed: int) -> Iterator[Row
         for example in examples:
             for way, chosen in answers(example, rng):
                 if chosen.features is not None:
-                    yield kind, way, chosen.features, overlap(chosen.mask, example.mask) >= confidence.CORRECT_IOU
+                    yield kind, way, chosen.features, compute_iou(chosen.mask, example.mask) >= confidence.CORRECT_IOU
 
 
 def rows_everywhere(folder: Path) -> Iterator[Row]:
     """What speaks for each of the objects of whole images, and whether it is one."""
-    paths = pictures.unlearned(folder)
+    paths = pictures.held_out_labels(folder)
     for path in paths[:: max(len(paths) // EVERYWHERE, 1)][:EVERYWHERE]:
         image, labels = pictures.labeled(path)
         for found in cpm.select_all(cpm.Image(image)):
-            yield folder.name, "everywhere", found.features, best_overlap(found.mask, labels) >= confidence.CORRECT_IOU
-
-
-def best_overlap(mask: Mask, labels: Index) -> float:
-    """The largest overlap of an object with one of those that are labeled."""
-    areas = np.bincount(labels.ravel())
-    common = np.bincount(labels[mask], minlength=len(areas))
-    return float((common / (np.count_nonzero(mask) + areas - common))[1:].max(initial=0.0))
+            overlap = pictures.overlaps(found.mask, labels).max(initial=0.0)
+            yield folder.name, "everywhere", found.features, bool(overlap >= confidence.CORRECT_IOU)
 
 
 def main() -> None:

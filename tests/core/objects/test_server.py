@@ -110,18 +110,25 @@ def test_points_and_scribbles_select_a_body_whose_surface_is_exact(server) -> No
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_a_closed_line_around_a_body_in_a_slice_is_sent_as_a_lasso_with_what_it_encloses(server, axis) -> None:
+def test_a_closed_line_in_a_slice_is_sent_as_a_lasso_with_what_it_encloses_and_clicks_beside_it_as_points(
+    server, axis
+) -> None:
     volume = VolumePartition(cpm.Image(VALUES), model=server.address)
     turns, center = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False), np.array([20.0, 18.0, 21.0])
     line = np.tile(center, (24, 1))
-    line[:, [at for at in range(3) if at != axis]] += 11.0 * np.column_stack([np.cos(turns), np.sin(turns)])
+    across = [at for at in range(3) if at != axis]
+    line[:, across] += 11.0 * np.column_stack([np.cos(turns), np.sin(turns)])
     found = volume.select(line)
     assert "add_lasso_interaction" in server.asked and "add_scribble_interaction" not in server.asked
     area = np.moveaxis(server.drawn, axis, 0)
     assert area[int(center[axis])].sum() == area.sum() == pytest.approx(np.pi * 11.0**2, rel=0.15)
     assert compute_iou(found.mask & (DISTANCE < RADIUS), DISTANCE < RADIUS) > 0.9
-    volume.select([(20, 18, 30)], previous=found)
-    assert server.asked[-3:-1] == ["add_lasso_interaction", "add_point_interaction"]
+    beside = center.copy()
+    beside[across] -= 14.0
+    for click in ([20.0, 18.0, 30.0], beside.tolist()):
+        volume.select([click], previous=found)
+        assert server.asked[-3:-1] == ["add_lasso_interaction", "add_point_interaction"]
+        assert server.marks[-1][0].tolist() == [click]
 
 
 def test_a_box_goes_to_the_server_as_its_middle_slices_and_nowhere_else(server) -> None:

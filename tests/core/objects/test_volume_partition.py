@@ -176,6 +176,16 @@ def test_a_click_on_an_organ_does_not_leak_out_to_the_skin():
         assert _dice(cut.select([place]).mask, organ) > 0.85
 
 
+def test_a_click_is_answered_though_another_thread_asks_around_another_place_meanwhile():
+    class Forgetful(dict):
+        def __setitem__(self, place, bodies):
+            """Forget at once what was predicted, as when the other thread clears it."""
+
+    cut = cpm.VolumePartition(cpm.example("ball"))
+    vars(cut)["_predicted_around"] = Forgetful()
+    assert cut.select([(15, 15, 15)]).contains(np.array([(15.0, 15.0, 15.0)])).all()
+
+
 def test_clicks_part_two_balls_that_touch_and_join_them():
     one, other = (_lengths((40, 40, 64), (1.0,) * 3, np.array([20.0, 20.0, col])) for col in (18.0, 43.5))
     cut = cpm.partition(_seen(np.maximum(12.0 - one, 13.0 - other), (1.0,) * 3))

@@ -269,7 +269,9 @@ class SpaceFeature(Feature):
             layers.particles,
             layers.image,
             layers.drawing,
-            *(layers[name] for name in ("objects", "truth", "second")),
+            layers["objects"],
+            layers["truth"],
+            layers["second"],
         ):
             layer.changed.connect(self._show_space)
         self.actions = tuple(space_action_specs(self.panel, window.session))
