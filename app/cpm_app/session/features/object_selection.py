@@ -414,6 +414,8 @@ class ObjectSelection(QObject):
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
             self._found, self._is_searched = found, True
+            if found and not self.selecting:
+                self._list.select_objects(())  # an object accepted before would keep Enter from what was found
             self._request_answer()
             self.changed.emit()
 

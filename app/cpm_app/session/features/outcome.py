@@ -27,7 +27,9 @@ def describe_outcome(workspace: Workspace) -> str:
         found = describe_skeleton(status.found, document.image)
         return f"{found} {insert_keys(tr('{key:export} exports it.'))}" if status.contours else found
     found = describe_surface(status.surface) if document.has_volume else describe_contours(status.contours)
-    if document.objects.items or not workspace.object_selection.offer_is_known:
+    shown = workspace.session.scene.result
+    ended = shown is not None and bool(shown.stop_reason)  # what is shown may come from a step before the end
+    if document.objects.items or not (ended and workspace.object_selection.offer_is_known):
         return found
     return f"{found} {insert_keys(tr('No object is offered: click one ({key:objects}).'))}"
 

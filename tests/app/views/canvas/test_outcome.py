@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 from cpm_app.session.features import object_selection
 from cpm_app.session.features.object_selection import ObjectSelection
+from cpm_app.session.features.outcome import describe_outcome
 from cpm_app.session.features.selector import find_proposals
 from PySide6.QtCore import Qt
 
@@ -51,6 +52,17 @@ def test_enter_draws_nothing_while_the_objects_of_a_run_are_being_found(ready, h
     hand.wait(lambda: selection.idle and selection.offer_is_known)
     hand.key(KEY.Key_Return)
     assert len(ready.session.document.objects.items) == 1
+
+
+def test_that_no_object_is_offered_is_not_said_of_contours_from_before_the_end(ready, hand) -> None:
+    end_run(ready, hand)
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: not ready.workspace.object_selection.proposals)
+    store = ready.session.store
+    assert "No object is offered" in describe_outcome(ready.workspace)
+    before_end = replace(store.scene.reconstruction, result=replace(store.scene.result, stop_reason=""))
+    store.set_scene(replace(store.scene, reconstruction=before_end))
+    assert "No object is offered" not in describe_outcome(ready.workspace)
 
 
 def test_the_tool_speaks_again_once_it_is_chosen(ready, hand) -> None:

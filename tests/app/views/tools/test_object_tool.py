@@ -471,6 +471,20 @@ def doubtful(window, monkeypatch):
     return chosen
 
 
+def test_enter_accepts_what_a_run_found_although_an_object_accepted_before_was_selected(
+    window, hand, objects, doubtful
+) -> None:
+    doubtful(LARGE[0])
+    click(hand, 18, 18)
+    hand.key(KEY.Key_Return)
+    first = taken(window)
+    assert [item.number for item in window.workspace.object_list.selected_objects] == [first[0].number]
+    run_everywhere(hand, 1)
+    assert "1 object found" in window.canvas_area.hint.text()
+    hand.key(KEY.Key_Return)
+    assert len(taken(window)) == 2
+
+
 @pytest.mark.parametrize("sure", [SMALL[0], LARGE[0]])
 def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_that_does_nothing(
     window, hand, objects, doubtful, monkeypatch, sure
