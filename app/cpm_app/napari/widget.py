@@ -58,7 +58,7 @@ _LAYER_CHOICES = {
 """Layers that can be selected in addition to the image: name -> kind of layer, title and explanation."""
 
 
-class FindWidget(Container):  # type: ignore[misc]
+class FindWidget(Container):  # type: ignore[misc, type-arg, unused-ignore]
     """Choose an image, and layers that determine what to find in it."""
 
     def __init__(self, napari_viewer: Viewer) -> None:
@@ -126,7 +126,8 @@ class FindWidget(Container):  # type: ignore[misc]
             self.message.value = str(error)
 
     def _parameters_from_sliders(self) -> cpm.Parameters:
-        return replace(self._preset, **{slider.name: slider.value for slider in self.sliders})
+        values: JsonDict = {slider.name: slider.value for slider in self.sliders}
+        return replace(self._preset, **values)
 
     def _on_button_clicked(self) -> None:
         if self._worker is not None:
