@@ -343,8 +343,7 @@ class Partition(drawing.Pictured):
             return None
         mask, corrected = prompt.previous_mask, False
         while True:
-            wrong = [(place, True) for place in prompt.positive if not mask[tuple(place)]]
-            wrong += [(place, False) for place in prompt.negative if mask[tuple(place)]]
+            wrong = [(place, not mask[tuple(place)]) for place in prompt.find_contradictions(mask)]
             if not wrong:
                 found = Candidate(Region.from_mask(mask), unambiguous=corrected)
                 return self._keep_connected(found, prompt, request.free)
