@@ -294,8 +294,8 @@ _RING_RADIUS = 2.5
 _RING_DIRECTIONS = 8
 """Number of directions in which gray levels around a thin vessel are sampled."""
 
-_PARALLEL_SINE = 1e-3
-"""Sine of the angle under which two directions count as parallel."""
+_MIN_DIRECTION_LENGTH = 1e-3
+"""Length under which a vector has no direction, such as the sum of opposite ones, or the product of parallel ones."""
 
 _MIN_FALL_SHARE = 0.5
 """Least fall of the gray level in each direction, as a share of the mean fall."""
@@ -382,13 +382,13 @@ def contrast_around_path(path: Array, surroundings: SaddleSurroundings, width: f
     size = surroundings.size
     places = path * size
     along = scipy.ndimage.uniform_filter1d(np.gradient(places, axis=0), _AVERAGED_VOXELS, axis=0)
-    turns = np.linalg.norm(along, axis=1) < _PARALLEL_SINE  # where the path goes back on the spot
+    turns = np.linalg.norm(along, axis=1) < _MIN_DIRECTION_LENGTH  # where the path goes back on the spot
     along[turns] = np.diff(places, axis=0, prepend=2.0 * places[:1] - places[1:2])[turns]
     along /= np.linalg.norm(along, axis=1)[:, None]
     helper = np.eye(3)[np.abs(places[-1] - places[0]).argmin()]
     one = np.cross(along, helper)
     # where a bend of the path runs along the axis that the path as a whole avoids
-    askew = np.linalg.norm(one, axis=1) < _PARALLEL_SINE
+    askew = np.linalg.norm(one, axis=1) < _MIN_DIRECTION_LENGTH
     one[askew] = np.cross(along[askew], np.roll(helper, 1))
     one /= np.linalg.norm(one, axis=1)[:, None]
     other = np.cross(along, one)
