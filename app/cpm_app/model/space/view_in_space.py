@@ -26,6 +26,9 @@ AXIS_COLORS = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 GRAY_TABLE = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
 """Color table that shows shades as they are."""
 
+NO_COLORS = np.zeros((256, 4), np.uint8)
+"""Colors and opacities of shades that are not seen."""
+
 _OBJECT_OFFSET_VOXELS = 2.0
 """Distance that objects are drawn nearer than they are [smallest sides of a voxel]."""
 
@@ -132,7 +135,7 @@ class ViewInSpace:
     wires: Wires | None = None
     table: Pixels = field(default_factory=lambda: GRAY_TABLE)
     second: ShadedVolume | None = None
-    second_table: Pixels = field(default_factory=lambda: np.zeros((256, 4), np.uint8))
+    second_table: Pixels = field(default_factory=lambda: NO_COLORS)
     objects: tuple[ColoredMesh, ...] = ()
     truth: tuple[ColoredMesh, ...] = ()
     shown: ShownParts = field(default_factory=ShownParts)

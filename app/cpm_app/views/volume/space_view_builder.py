@@ -14,7 +14,7 @@ from cpm_app.model.display.coloring import QUANTITIES, color_particles
 from cpm_app.model.display.display_image import IntensityWindow
 from cpm_app.model.display.second_image import SecondImage
 from cpm_app.model.space.triangles import SurfaceMesh
-from cpm_app.model.space.view_in_space import ColoredMesh, ShownParticles, ViewInSpace, Wires
+from cpm_app.model.space.view_in_space import NO_COLORS, ColoredMesh, ShownParticles, ViewInSpace, Wires
 from cpm_app.model.space.voxels import ShadedVolume
 from cpm_app.model.volume.shape_sections import build_shape_wires
 from cpm_app.session.exchange.messages import Reconstruction, Snapshot
@@ -30,9 +30,6 @@ from cpm_core import Image, Skeleton, Surface, Truth, VolumeTruth
 from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Measure, Shape, relative_sides
-
-_NO_COLORS = np.zeros((256, 4), np.uint8)
-"""Colors without a second image."""
 
 _ALL_SHADES = IntensityWindow(0.0, 255.0)
 """The window in which shades stay as they are."""
@@ -84,7 +81,7 @@ class SpaceViewBuilder:
         """Build the shades of the second image, and their colors with the opacity of the layer."""
         layer = layers["second"]
         if second is None or not layer.shown or not isinstance(layer, SecondImageLayer):
-            return None, _NO_COLORS
+            return None, NO_COLORS
         table = self._parts.get(_fade_table, layer.color_table, layer.opacity)
         shades = second.shades
         return self._parts.get_named("second", lambda: ShadedVolume(shades, _ALL_SHADES), shades), table
