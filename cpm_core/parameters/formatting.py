@@ -47,7 +47,7 @@ def format_choice(given: str, known: Iterable[str]) -> str:
 def format_repr(kind: str, *facts: str) -> str:
     """Format the one-line representation of an object: its kind, then the facts that are not empty.
 
-    >>> described("Image", "cells.png", "", "240 x 320 px")
+    >>> format_repr("Image", "cells.png", "", "240 x 320 px")
     '<Image cells.png, 240 x 320 px>'
     """
     shown_facts = ", ".join(fact for fact in facts if fact)

@@ -1,10 +1,11 @@
 """How sure an answer is: the numbers by which `cpm_core/objects/confidence.py` estimates it are learned here.
 
 ``python tests/benchmarks/prior/sure.py --outlined FOLDER... --drawn FOLDER [--objects 20] [--seed 101]`` selects
-objects whose outline is known, by one to four clicks of a robot user, by a circle and by a box, and everywhere in whole
-images, and learns from what speaks for each answer how often it is right. The images of the folders are those that the
-network has not learned from; the scenes have another seed, and every twentieth drawing is enough. It writes the numbers
-with their origin to `confidence.json`, and prints how well those learned from the other kinds hold on each kind.
+objects whose outline is known, by one to four clicks of a robot user, by a circle and by a box, and everywhere in
+images that are outlined in full, and learns from what speaks for each answer how often it is right. The images of the
+folders are those that the network has not learned from; the scenes have another seed, and every twentieth drawing is
+enough. It writes the numbers with their origin to `confidence.json`, and prints how well those learned from the other
+kinds hold on each kind.
 
 It needs ``opencv-python-headless`` besides what `cpm_core` needs.
 """
