@@ -148,6 +148,42 @@ surface = viewer.layers["volume surface"]
 np.testing.assert_allclose(np.linalg.norm(surface.data[0] - 20, axis=1).mean(), 9, atol=0.5)
 assert surface.save(str(FOLDER / "ball.stl"), plugin=manifest.name)
 
+# a series in time: objects of the image in view, beside those of other times
+viewer.layers.clear()
+series = np.stack([disks((30, 30), (30, 70)), disks((30, 30), (30, 70))[:, ::-1]])
+series = viewer.add_image(series, name="series", scale=(3, 1, 1), axis_labels=("t", "y", "x"))
+assert widget.extent.value == 2
+inside = viewer.add_points([(0.0, 30.0, 30.0), (3.0, 30.0, 22.0), (3.0, 30.0, 63.0)], name="inside")
+viewer.dims.set_point(0, 0)
+find(FIND_OBJECTS, image=series, points=inside)
+labels = viewer.layers["series labels"]
+assert labels.data.shape == (2, 54, 94)
+assert labels.data[0, 30, 30] == 1
+assert not labels.data[1].any()
+viewer.dims.set_point(0, 3)
+find(FIND_OBJECTS, points=inside)
+assert labels.data[0, 30, 30] == 1
+assert labels.data[1, 30, 22] == 2
+assert labels.data[1, 30, 63] == 3
+assert labels.features["index"].tolist() == [1, 2, 3]
+assert [line[:, 0].mean() for line in viewer.layers["series contours"].data] == [0, 1, 1]
+outline = [(3.0, 20.0, 10.0), (3.0, 20.0, 36.0), (3.0, 44.0, 36.0), (3.0, 44.0, 10.0)]
+line = viewer.add_shapes([outline], shape_type="polygon", name="outline")
+find(RUN_FROM_SHAPES, shapes=line)
+assert labels.data[0, 30, 30] == 1
+assert np.unique(labels.data[1]).tolist() == [0, 2]
+np.testing.assert_allclose(np.hypot(*(viewer.layers["series contours"].data[1][:, 1:] - (30, 23)).T), 15, atol=1.0)
+
+# volumes in time
+film = viewer.add_image(np.stack([disks((20, 20, 20), radius=9)] * 2), name="film")
+inside = viewer.add_points([(1.0, 20.0, 20.0, 20.0)], name="inside in film")
+viewer.dims.set_point(0, 1)
+find(FIND_OBJECTS, image=film, points=inside)
+assert widget.extent.value == 3
+assert viewer.layers["film labels"].data[1, 20, 20, 20] == 1
+assert not viewer.layers["film labels"].data[0].any()
+np.testing.assert_allclose(viewer.layers["film surface"].data[0].mean(axis=0), (1, 20, 20, 20), atol=0.5)
+
 ours = sorted(name for name in sys.modules if name.startswith("cpm_app."))
 viewer.close()
 sys.stdout.write(json.dumps({"ours": ours, "files": sorted(path.name for path in FOLDER.iterdir())}) + "\n")

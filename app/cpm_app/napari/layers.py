@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,11 +12,14 @@ from cpm_core import Contour, Result, measure
 from cpm_core.contours import assign_numbers
 from cpm_core.formats import flatten_ellipse, parse_color
 from cpm_core.formats.contours.contents import DEFAULT_COLOR
-from cpm_core.numerics import Array
-from cpm_core.numerics.types import Integers, JsonObject
+from cpm_core.numerics import Array, Index
+from cpm_core.numerics.types import Integers, JsonDict, JsonObject
 
 LayerData = tuple[Any, dict[str, Any], str]
 """Layer as napari takes it: data, settings, and kind."""
+
+Frame = tuple[int, ...]
+"""Where an image or a volume lies in a stack: indices along the axes before its own."""
 
 _CLOSED_KINDS = ("polygon", "rectangle", "ellipse")
 """Kinds of closed shapes in napari."""
@@ -64,6 +67,81 @@ def build_result_layers(result: Result, name: str, **settings: Any) -> list[Laye
     return [*layers, build_contour_layer(result.contours, f"{name} contours", result.shape, **settings)]
 
 
+def place_in_stack(
+    layers: Sequence[LayerData], frame: Frame, shape: tuple[int, ...], known: Mapping[str, LayerData]
+) -> list[LayerData]:
+    """Place layers of one frame of a stack in it, beside what layers of the same names show in other frames.
+
+    Labels are numbered on from those of other frames. `shape` is that of the stack; `known` are the layers, by name.
+    """
+    placed: list[LayerData] = []
+    for data, settings, kind in layers:
+        before = known.get(settings["name"])
+        if not frame:
+            placed.append((data, settings, kind))
+        elif kind == "labels":
+            placed.append(_place_labels(data, settings, frame, shape, before))
+        elif kind == "shapes":
+            placed.append(_place_contours(data, settings, frame, before))
+        else:
+            placed.append(((prepend_frame(data[0], frame), data[1]), settings, kind))
+    return placed
+
+
+def _place_labels(
+    labels: Index, settings: JsonDict, frame: Frame, shape: tuple[int, ...], before: LayerData | None
+) -> LayerData:
+    """Put labels into those of a stack, and their measures below the measures there."""
+    features: JsonDict = settings["features"]
+    others: JsonDict = {name: [] for name in features}
+    stack = np.zeros(shape, labels.dtype)
+    if before is not None and before[0].shape == shape:
+        stack = put_into(before[0], 0, frame)
+        table = before[1]["features"]
+        if set(features) <= set(table):
+            stays = np.isin(table["index"], stack)
+            others = {name: table[name][stays].tolist() for name in features}
+    first = int(stack.max(initial=0))
+    features = features | {"index": [first + number for number in features["index"]]}
+    stack[frame] = np.where(labels, labels + first, 0)
+    return stack, settings | {"features": {name: others[name] + list(features[name]) for name in features}}, "labels"
+
+
+def _place_contours(lines: Sequence[Array], settings: JsonDict, frame: Frame, before: LayerData | None) -> LayerData:
+    """Add contours of a frame to those of others."""
+    new = [prepend_frame(line, frame) for line in lines]
+    if before is None or not len(before[0]):
+        return new, settings, "shapes"
+    known, look, _ = before
+    stays = [number for number, line in enumerate(known) if (np.round(line[:, : len(frame)]) != frame).any()]
+    joined = {
+        "shape_type": [look["shape_type"][number] for number in stays] + settings["shape_type"],
+        "edge_color": [_find_color(look["edge_color"][number]) for number in stays] + list(settings["edge_color"]),
+        "features": {
+            name: look["features"][name].iloc[stays].tolist() + list(new_values)
+            for name, new_values in settings["features"].items()
+        },
+    }
+    return [known[number] for number in stays] + new, settings | joined, "shapes"
+
+
+def put_into(stack: Index, values: Index | int, frame: Frame) -> Index:
+    """Return a stack of labels with other values in one frame."""
+    stack = np.array(stack)
+    stack[frame] = values
+    return stack
+
+
+def prepend_frame(positions: Array, frame: Frame) -> Array:
+    """Return positions (N, D) in a frame as positions in its stack."""
+    return np.hstack([np.tile(np.array(frame, float), (len(positions), 1)), positions])
+
+
+def _find_color(shade: Array) -> str:
+    """Return the color ``#rrggbb`` of parts between 0 and 1."""
+    return parse_color([round(255 * float(part)) for part in shade])
+
+
 def contours_from_layer(data: Sequence[Array], settings: JsonObject) -> tuple[tuple[Contour, ...], Integers]:
     """Return the contours of a layer of shapes in a plane, with names and colors, and the shape of their image.
 
@@ -71,7 +149,7 @@ def contours_from_layer(data: Sequence[Array], settings: JsonObject) -> tuple[tu
     """
     drawn = lines_from_shapes([np.asarray(corners)[:, -2:] for corners in data], settings["shape_type"])
     names = settings["features"].get("name", [""] * len(drawn))
-    shades = [parse_color([round(255 * float(part)) for part in shade]) for shade in settings["edge_color"]]
+    shades = [_find_color(shade) for shade in settings["edge_color"]]
     contours = tuple(
         replace(line, name=name if isinstance(name, str) else "", color="" if color == DEFAULT_COLOR else color)
         for line, name, color in zip(drawn, names, shades, strict=True)
