@@ -87,10 +87,6 @@ class ObjectMeasurer(QObject):
 
         self._latest.submit(lambda: [(item, _measure_object(item, image)) for item in missing], keep_figures)
 
-    def close(self) -> None:
-        """End the thread."""
-        self._latest.close()
-
     def _on_image_changed(self) -> None:
         """Remove the figures, because another image has been opened."""
         self.figures, self.bodies = {}, {}

@@ -283,11 +283,6 @@ class ObjectSelection(QObject):
             tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found
         )
 
-    def close(self) -> None:
-        """End the threads."""
-        self.partition_updater.close()
-        self._latest.close()
-
     # Internal
 
     def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:

@@ -152,10 +152,6 @@ class PartitionUpdater(QObject):
             self._on_image_changed()
             self.update_partition()
 
-    def close(self) -> None:
-        """End the thread."""
-        self._latest.close()
-
     def _current_source(self) -> PartitionSource | None:
         scene = self._session.scene
         if scene.image is None:
