@@ -277,7 +277,7 @@ class ObjectSelection(QObject):
             self._session.edit(
                 tr("all like this"), lambda document: objects.add_selections(document, found, example.category)
             )
-            self._session.messages.show(tr("{count} objects like this one were found.").format(count=len(found)))
+            self._session.messages.show(tr("{count} objects like this one were found.", count=len(found)))
 
         self._session.tasks.start_task(
             tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found

@@ -27,7 +27,7 @@ class SliceBar(PlaceBar):
         self.axes = [QToolButton() for _ in AXIS_NAMES]
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
-            button.setToolTip(tr("Show slices across this axis: {axis}.").format(axis=AXIS_NAMES[axis]))
+            button.setToolTip(tr("Show slices across this axis: {axis}.", axis=AXIS_NAMES[axis]))
             button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXIS_NAMES[axis]))
             button.setCheckable(True)
             group.addButton(button, axis)

@@ -75,8 +75,8 @@ class SlicesFeature(Feature):
 
         def create_axis_action(axis: int) -> ActionSpec:
             name = AXIS_NAMES[axis]
-            return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}").format(axis=name),
-                              tr("Show slices across this axis: {axis}.").format(axis=name),
+            return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}", axis=name),
+                              tr("Show slices across this axis: {axis}.", axis=name),
                               partial(slices.set_axis, axis), f"Ctrl+Shift+{axis + 1}", visible_when=has_volume,
                               checked_when=lambda _: slices.current is not None
                               and slices.current.axis == axis)  # fmt: skip
