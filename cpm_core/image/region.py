@@ -18,6 +18,7 @@ from cpm_core.numerics.grids import (
     Window,
     bounding_window,
     enclose_windows,
+    measure_depth,
     relative_window,
     true_bounds,
     window_shape,
@@ -309,7 +310,7 @@ class Region:
         if mask.ndim == 3:
             at = int(mask.sum(axis=(1, 2)).argmax())
             plane, first, mask = (float(first[0] + at),), first[1:], mask[at]
-        depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+        depth = measure_depth(mask)
         row, col = np.unravel_index(int(np.argmax(depth)), mask.shape)
         return (*plane, float(row + first[0]), float(col + first[1]))
 

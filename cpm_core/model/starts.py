@@ -12,6 +12,7 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.numerics.grids import nearest_pixels
 from cpm_core.numerics.polyline import lengths_along, points_at_lengths
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values
 from cpm_core.numerics.types import Array, Extent, Mask, Position
@@ -290,7 +291,7 @@ def _limit_per_pixel(points: Array, shape: Extent) -> Array:
 
     The first step deletes nearly all of them, but only after each has felt every other one.
     """
-    pixels = np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1)
+    pixels = nearest_pixels(points, shape)
     place = np.ravel_multi_index(tuple(pixels.T), shape)
     order = np.argsort(place, kind="stable")
     _, first, count = np.unique(place[order], return_index=True, return_counts=True)

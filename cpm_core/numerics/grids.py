@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 import scipy
 import skimage
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
@@ -144,6 +144,30 @@ def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:
     """Find the connected parts of a mask, shape (P, R, C); with `corners` voxels have 26 neighbors, else 6."""
     labels, count = scipy.ndimage.label(mask, np.ones((3, 3, 3), bool) if corners else None)
     return ConnectedParts(np.asarray(labels, np.int32), int(count))
+
+
+def label_parts(mask: Mask) -> tuple[Labels, int]:
+    """Label the connected parts of a mask, whose pixels may touch at corners, from 1; return their number, too."""
+    labels, count = scipy.ndimage.label(mask, np.ones((3,) * mask.ndim))
+    return np.asarray(labels, np.int32), int(count)
+
+
+def measure_depth(mask: Mask) -> Array:
+    """Measure how far each pixel of a mask is from the outside, which begins beyond the border of the grid [px]."""
+    depth: Array = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[(slice(1, -1),) * mask.ndim]
+    return depth
+
+
+def flood_from_markers(heights: NDArray[np.floating], markers: Labels, basin: Mask | None = None) -> Labels:
+    """Flood a grid, or a basin of it, from labeled markers over the lowest heights; return the labels."""
+    flood: Callable[..., Labels] = skimage.segmentation.watershed
+    return np.asarray(flood(heights, markers, mask=basin), np.int32)
+
+
+def nearest_pixels(places: ArrayLike, shape: Extent) -> Index:
+    """Return the pixels of a grid of this shape that are nearest to places, shape (..., D)."""
+    inside: Array = np.clip(places, 0, np.array(shape) - 1)
+    return np.rint(inside).astype(np.int64)
 
 
 def compute_iou(one: Mask, other: Mask) -> float:

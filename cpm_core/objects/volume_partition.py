@@ -25,7 +25,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface, voxelize_surface
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
-from cpm_core.numerics.grids import ConnectedParts, expand_window, find_connected_parts
+from cpm_core.numerics.grids import ConnectedParts, expand_window, find_connected_parts, nearest_pixels
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.background import lies_in_background
@@ -433,7 +433,7 @@ class VolumePartition:
 
     def _find_nearest_voxels(self, places: Array) -> Index:
         """Find the nearest voxels of points."""
-        return np.rint(self._clip_points(places)).astype(np.int64)
+        return nearest_pixels(places, self.shape)
 
     @cached_property
     def _interest(self) -> Mask | None:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane.births import select_survivors
-from cpm_core.numerics.grids import Labels, run_in_bands
+from cpm_core.numerics.grids import Labels, label_parts, run_in_bands
 from cpm_core.numerics.parallel import count_cores
 from cpm_core.numerics.types import Array, Extent, Index
 
@@ -104,7 +104,7 @@ def _stretch_sizes(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: E
     """Return the size of the connected stretch of selected pixels that each belongs to; 0 for those not selected."""
     mask = np.zeros(shape, bool)
     mask[tuple(place[chosen].T)] = True
-    labels, _ = scipy.ndimage.label(mask, structure=np.ones((3, 3), bool))
+    labels, _ = label_parts(mask)
     size = np.bincount(labels[tuple(place[chosen].T)], minlength=int(labels.max()) + 1)
     return size[labels[tuple(place.T)]]
 
@@ -131,7 +131,6 @@ def _label_rims(regions: Labels) -> tuple[Labels, Index]:
     region_of : ndarray of int64
         Region of each rim; entry 0 is unused.
     """
-    eight = np.ones((3, 3), bool)
     beside = np.empty_like(regions)
 
     def widen_rows(first: int, end: int) -> None:  # without one more image of labels
@@ -149,7 +148,7 @@ def _label_rims(regions: Labels) -> tuple[Labels, Index]:
     for number, window in enumerate(windows, start=1):
         if window is None:  # all pixels next to the region belong to other regions
             continue
-        labels, found = scipy.ndimage.label(beside[window] == number, structure=eight)
+        labels, found = label_parts(beside[window] == number)
         part = rims[window]
         part[labels > 0] = labels[labels > 0] + count
         region_of.append(np.full(found, number))

@@ -19,6 +19,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
 from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import flood_from_markers, label_parts, measure_depth, nearest_pixels
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 
 _MAJORITY_SHARE = 0.5
@@ -107,8 +108,8 @@ class ClosedRegion:
         for number, pixels in ((2, others), (1, pixel[None])):
             place = pixels - (self.box[0].start, self.box[1].start)
             markers[tuple(place[((place >= 0) & (place < markers.shape)).all(axis=1)].T)] = number
-        depth = scipy.ndimage.distance_transform_edt(np.pad(self.mask, 1))[1:-1, 1:-1]
-        parts = skimage.segmentation.watershed(-depth, markers, mask=self.mask)  # type: ignore[no-untyped-call]
+        depth = measure_depth(self.mask)
+        parts = flood_from_markers(-depth, markers, self.mask)
         own, other = parts == 1, parts == 2
         if not own.any() or not other.any():
             return None
@@ -246,9 +247,9 @@ class ClosedRegions:
         """Split a start into the pixels of its connected pieces, each of shape (N, 2)."""
         shape = self._values.shape
         if len(places) < MIN_DRAWN_PLACES:
-            yield from np.rint(np.clip(places, 0, np.array(shape) - 1)).astype(np.int64)[:, None]
+            yield from nearest_pixels(places, shape)[:, None]
             return
-        labels, count = scipy.ndimage.label(drawn_area(places, shape), np.ones((3, 3), bool))
+        labels, count = label_parts(drawn_area(places, shape))
         for number in range(1, count + 1):
             yield np.argwhere(labels == number)
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-import skimage
 
+from cpm_core.numerics.grids import flood_from_markers, label_parts, measure_depth, nearest_pixels
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
@@ -89,9 +89,9 @@ def _add_by_watershed(body: BodyPrediction, context: CropContext) -> Mask | None
     for axis in range(3):
         np.moveaxis(markers, axis, 0)[[0, -1]] = _OUTSIDE_BASIN
     for steps, basin in ((context.negative, _OUTSIDE_BASIN), (context.positive, _BODY_BASIN)):
-        blocks = np.clip(np.rint((steps - 0.5) / 2.0), 0, len(before) - 1).astype(np.int64)
+        blocks = nearest_pixels((steps - 0.5) / 2.0, before.shape)
         markers[tuple(blocks.T)] = basin
-    added = (skimage.segmentation.watershed(edges, markers) == _BODY_BASIN) & ~before  # type: ignore[no-untyped-call]
+    added = (flood_from_markers(edges, markers) == _BODY_BASIN) & ~before
     along = scipy.ndimage.binary_dilation(added) & ~added & ~scipy.ndimage.binary_dilation(before, iterations=2)
     around = before & ~scipy.ndimage.binary_erosion(before)
     if not along.any() or not around.any() or np.median(edges[along]) < _MIN_ADDED_STRENGTH * np.median(edges[around]):
@@ -106,7 +106,7 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
         return None
     box = scipy.ndimage.find_objects(whole.astype(np.int8))[0]
     before, removed = whole[box], np.zeros_like(whole)
-    depth = scipy.ndimage.distance_transform_edt(np.pad(before, 1))[1:-1, 1:-1, 1:-1]
+    depth = measure_depth(before)
     first, last = np.array([side.start for side in box]), np.array(before.shape) - 1
     inner = tuple(np.clip(np.rint(context.positive) - first, 0, last).astype(np.int64).T)
     outer = tuple(np.clip(np.rint(step) - first, 0, last).astype(np.int64))
@@ -118,7 +118,7 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
         if parts[outer] in held:
             continue
         kept = scipy.ndimage.distance_transform_edt(~np.isin(parts, held)) <= radius + 1.0
-        rest, _ = scipy.ndimage.label(before & ~kept, np.ones((3, 3, 3)))
+        rest, _ = label_parts(before & ~kept)
         if rest[outer]:
             removed[box] = rest == rest[outer]
             return removed
@@ -127,7 +127,7 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
 
 def find_part_at_necks(body: BodyPrediction, point: Array) -> BodyPrediction | None:
     """Find the part of a body that holds a point, shape (3,), once it is split at its necks; None without a neck."""
-    step = np.clip(np.rint(body.crop.to_crop_steps(point)), 0, len(body.logits) - 1).astype(int)
+    step = nearest_pixels(body.crop.to_crop_steps(point), body.logits.shape)
     pieces, _ = scipy.ndimage.label(body.logits > 0.0)
     if not pieces[tuple(step)]:
         return None

@@ -15,6 +15,7 @@ import skimage
 
 from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import nearest_pixels
 from cpm_core.numerics.types import Array, Index, Position
 from cpm_core.reconstruction.curve.gap_bridging import (
     BLOCKED_COST,
@@ -83,7 +84,7 @@ class LiveWire:
         return snap_path_to_ridge(smooth_pixel_path(pixels, ends[0], ends[1]), self._field)
 
     def _nearest_pixel(self, place: Position) -> Index:
-        return np.clip(np.rint(place).astype(np.int64), 0, np.array(self._field.shape) - 1)
+        return nearest_pixels(place, self._field.shape)
 
     def _box_around(self, pixel: Index, margin: int) -> tuple[Index, Index]:
         last = np.array(self._field.shape) - 1
