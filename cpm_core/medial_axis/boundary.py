@@ -11,7 +11,7 @@ import scipy
 from cpm_core.contours.contour import Contour, Contours, stack_vertices
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Extent, Index, Mask, record
+from cpm_core.numerics.types import NO_POINTS, Array, Extent, Index, Mask, record
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 
@@ -108,7 +108,7 @@ def boundary_from_outlines(outlines: Contours, scale_field: ScaleField) -> Bound
 def _boundary_along_paths(contours: Contours, paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:
     """Build the boundary along paths, each with the part of it that lies in the image."""
     if not paths:
-        return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros((0, 2)))
+        return Boundary(NO_POINTS, np.zeros((0, 2), np.int64), np.zeros(0), NO_POINTS)
     start = np.cumsum([0, *(len(path) for path, _ in paths)])
     normals = [
         np.pad(scale_field.normals_at(path[known]), [(known.start, len(path) - known.stop), (0, 0)], mode="edge")

@@ -28,7 +28,7 @@ from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import label_parts, nearest_pixels, true_bounds
 from cpm_core.numerics.real_numbers import as_positions
-from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, frozen, record
+from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Extent, Index, Mask, frozen, record
 from cpm_core.objects.boundaries.boundary_guides import BoundaryGuides, build_boundary_guides
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import find_crossings
@@ -50,9 +50,6 @@ from cpm_core.objects.selection import (
 from cpm_core.objects.vessels import find_thin_object
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
-
-NO_POINTS = np.empty((0, 2))
-"""An empty array of points."""
 
 _OUTLINE_MARGIN = 10
 """Margin around an object that its outline depends on: twice the reach of its edge map [px]."""

@@ -20,7 +20,7 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane.births import select_survivors
 from cpm_core.numerics.grids import Labels, label_parts, run_in_bands
 from cpm_core.numerics.parallel import count_cores
-from cpm_core.numerics.types import Array, Extent, Index
+from cpm_core.numerics.types import NO_POINTS, Array, Extent, Index
 
 MAX_PLANE_RESEEDINGS = 3
 """Greatest number of reseedings until parameters are changed."""
@@ -56,15 +56,14 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
 
     `positions`, shape (N, 2), are those of the particles on an edge [px of the scale].
     """
-    none = np.zeros((0, 2))
     if not len(positions):
-        return none
+        return NO_POINTS
     blocked = np.zeros(scale_field.shape, bool)
     if len(scale_field.barrier_map.segments):
         blocked = scale_field.barrier_map.clearance < BARRIER_CLEARANCE
     rims, region_of = _label_rims(_label_enclosed(scale_field.edge_map < scale_field.floor, blocked))
     if not len(region_of):
-        return none
+        return NO_POINTS
     place = np.argwhere(rims > 0)
     number = rims[rims > 0]
     reach = _RIM_REACH + _RIM_REACH_PER_SIGMA * scale_field.smoothing
