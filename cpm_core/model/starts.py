@@ -12,7 +12,7 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.grids import nearest_pixels
+from cpm_core.numerics.grids import grid_points, nearest_pixels
 from cpm_core.numerics.polyline import lengths_along, points_at_lengths
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values
 from cpm_core.numerics.types import Array, Extent, Mask, Position
@@ -163,7 +163,7 @@ def uniform_grid(shape: Extent, spacing: float = 8.0) -> Array:
     for n in sides.astype(int).tolist():
         count = max(1, int((n - 1) // spacing) + 1)
         axes.append(0.5 * (n - 1) + spacing * (np.arange(count) - 0.5 * (count - 1)))
-    return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    return grid_points(axes)
 
 
 def gradient_threshold(values: ArrayLike, fraction: float = STRONG_EDGE_FRACTION, smoothing: float = 1.0) -> Array:

@@ -10,7 +10,7 @@ import scipy
 import skimage
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import Window, expand_window, find_largest_part, label_parts
+from cpm_core.numerics.grids import Window, expand_window, find_largest_part, first_pixel, label_parts
 from cpm_core.numerics.types import Extent, Mask, record
 from cpm_core.objects.candidate_regions import has_neck, is_part_of, measure_solidity
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures
@@ -95,7 +95,7 @@ class RegionEvidence:
         deepest = places[np.argsort(-depth[tuple(places.T)], kind="stable")][:_MAX_PLACES]
         largest = _MAX_CROP_SHARE * max(mask.shape)
         found = []
-        for pixel in deepest + [side.start for side in window]:
+        for pixel in deepest + first_pixel(window):
             for answer in self.partition.predict_at_scales(pixel, largest):
                 inside = answer.mask & self.partition.interest
                 if inside[tuple(pixel)]:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
+from cpm_core.numerics.polyline import pair_neighbors
 from cpm_core.numerics.real_numbers import as_real_array
 from cpm_core.numerics.types import Array, Index
 
@@ -31,7 +32,7 @@ def find_crust_edges(points: Array) -> Index:
         triangulation = scipy.spatial.Delaunay(points)
     except scipy.spatial.QhullError:  # all on one line: no triangles; the crust joins neighbors along it
         order = np.lexsort(points.T)
-        return np.unique(np.sort(np.stack([order[:-1], order[1:]], axis=1), axis=1), axis=0)
+        return np.unique(np.sort(pair_neighbors(order), axis=1), axis=0)
     triangles, neighbors = triangulation.simplices.astype(np.int64), triangulation.neighbors
     cotangent = _corner_cotangents(points[triangles])
     number = np.arange(len(triangles))

@@ -12,7 +12,15 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.grids import Window, bounding_window, expand_window, label_parts, nearest_pixels, whole_window
+from cpm_core.numerics.grids import (
+    Window,
+    bounding_window,
+    expand_window,
+    grid_points,
+    label_parts,
+    nearest_pixels,
+    whole_window,
+)
 from cpm_core.numerics.types import Array, Extent, Mask, Sides
 
 _LINK_FACTOR = 0.75
@@ -135,7 +143,7 @@ def is_everywhere(points: Array, shape: Extent, regions: AnyRegions | None = Non
 def _cell_centers(shape: Extent, cells: Sequence[int]) -> Array:
     """Return the centers of the cells that divide an image along its axes, shape (N, D) [px]."""
     lines = [(np.arange(count) + 0.5) * n / count - 0.5 for n, count in zip(shape, cells, strict=True)]
-    return np.stack([line.ravel() for line in np.meshgrid(*lines, indexing="ij")], axis=1)
+    return grid_points(lines)
 
 
 def hollow_part(points: Array, area: Mask) -> Mask:

@@ -13,6 +13,7 @@ from cpm_core.field.volume_field import pitch_of, smooth_volume
 from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.image import Image, as_image
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, field_divergence_centers, pixels_above, uniform_grid
+from cpm_core.numerics.grids import grid_points
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_three_numbers, check_voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.formatting import quote_value
@@ -123,7 +124,7 @@ def seeds_on_box(first: Sequence[float], last: Sequence[float], spacing: float =
         lines = [np.linspace(low[k], high[k], int(counts[k]) + 1) for k in range(3)]
         lines = [line[1:-1] if k < axis else line for k, line in enumerate(lines)]  # edges belong to one face
         lines[axis] = np.array([low[axis], high[axis]])
-        faces.append(np.stack([part.ravel() for part in np.meshgrid(*lines, indexing="ij")], axis=1))
+        faces.append(grid_points(lines))
     return np.concatenate(faces)
 
 

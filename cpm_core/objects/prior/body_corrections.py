@@ -9,7 +9,14 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import flood_from_markers, label_parts, measure_depth, nearest_pixels
+from cpm_core.numerics.grids import (
+    first_pixel,
+    flood_from_markers,
+    label_parts,
+    measure_depth,
+    nearest_pixels,
+    spread_labels,
+)
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
@@ -107,7 +114,7 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
     box = scipy.ndimage.find_objects(whole.astype(np.int8))[0]
     before, removed = whole[box], np.zeros_like(whole)
     depth = measure_depth(before)
-    first, last = np.array([side.start for side in box]), np.array(before.shape) - 1
+    first, last = first_pixel(box), np.array(before.shape) - 1
     inner = tuple(np.clip(np.rint(context.positive) - first, 0, last).astype(np.int64).T)
     outer = tuple(np.clip(np.rint(step) - first, 0, last).astype(np.int64))
     for radius in range(1, _MAX_NECK_RADIUS + 1):
@@ -136,8 +143,7 @@ def find_part_at_necks(body: BodyPrediction, point: Array) -> BodyPrediction | N
     number = parts[tuple(step // 2)]
     if not number or parts.max() == 1:
         return None
-    nearest = scipy.ndimage.distance_transform_edt(parts == 0, return_distances=False, return_indices=True)
-    near = parts[tuple(nearest)].repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
+    near = spread_labels(parts).repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
     left_out = np.float32(-MAX_LOGIT)
     logits = np.where(whole & (near == number), body.logits, np.minimum(body.logits, left_out))
     slice_logits = np.where(whole & (near != number), left_out, body.slice_logits)

@@ -13,7 +13,7 @@ import skimage
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.region import Region
 from cpm_core.numerics import polyline
-from cpm_core.numerics.grids import flood_from_markers, measure_depth
+from cpm_core.numerics.grids import flood_from_markers, measure_depth, spread_labels
 from cpm_core.numerics.types import Array, Arrays, Index, Line, Mask, Position, frozen
 from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, boundary_from_polygon, lies_on, polygon_from_boundary
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
@@ -249,8 +249,7 @@ def _split_by_watershed(item: SegmentedObject, places: Array, edges: _ObjectEdge
     )
     levels = np.round(_LANDSCAPE_LEVELS * np.clip(height - np.minimum(depth / deep, 1.0), -1.0, 1.0))
     found = flood_from_markers(levels, seeds, inside | (seeds > 0))
-    around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
-    return low, step, found[tuple(around)] == 2
+    return low, step, spread_labels(found) == 2
 
 
 def climb_to_peak(depth: Array, pixel: Index) -> list[Index]:

@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import flood_from_markers, label_parts, nearest_pixels
+from cpm_core.numerics.grids import flood_from_markers, label_parts, nearest_pixels, spread_labels
 from cpm_core.numerics.types import Array, Extent, Mask, Place, Sides
 from cpm_core.objects.segmented.by_hand import POINT_OUTSIDE, Halves, climb_to_peak
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
@@ -118,8 +118,7 @@ def split_painted_object(item: SegmentedObject, first: Place, second: Place, sid
     for number, way in enumerate(ways, start=1):
         seeds[tuple(np.transpose(way))] = number
     found = flood_from_markers(height, seeds, inside)
-    around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
-    found = np.where(inside, found[tuple(around)], 0)  # assign pieces that are connected to neither point
+    found = np.where(inside, spread_labels(found), 0)  # assign pieces that are connected to neither point
     halves = [Region.from_mask(found == number, begin) for number in (1, 2)]
     one, other = (item.redrawn(item.region.without(half)) for half in reversed(halves))
     return Halves(one, other, ())

@@ -15,7 +15,7 @@ import skimage
 
 from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.grids import nearest_pixels
+from cpm_core.numerics.grids import lie_inside, nearest_pixels
 from cpm_core.numerics.types import NO_POINTS, Array, Index, Position
 from cpm_core.reconstruction.curve.gap_bridging import (
     BLOCKED_COST,
@@ -104,7 +104,7 @@ class LiveWire:
         avoided = np.concatenate([NO_POINTS, *(polyline.sample_path(line, 0.25) for line in self._avoided)])
         away = np.linalg.norm(avoided[:, None] - self._spared, axis=2).min(axis=1)
         pixels = np.rint(avoided[away > UNBLOCKED_RADIUS]).astype(np.int64) - self._low
-        pixels = pixels[((pixels >= 0) & (pixels < costs.shape)).all(axis=1)]
+        pixels = pixels[lie_inside(pixels, costs.shape)]
         costs[tuple(np.unique(pixels, axis=0).T)] += BLOCKED_COST
         search = skimage.graph.MCP_Geometric(costs)
         search.find_costs([tuple(self._nearest_pixel(self._start) - self._low)])

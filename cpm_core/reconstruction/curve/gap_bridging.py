@@ -17,7 +17,7 @@ from cpm_core.contours.contour import Bridge
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.grids import nearest_pixels
-from cpm_core.numerics.polyline import lengths_along, path_length, resample_path
+from cpm_core.numerics.polyline import lengths_along, pair_neighbors, path_length, resample_path
 from cpm_core.numerics.segments import first_crossing
 from cpm_core.numerics.types import Array, Index, Integers, Mask, record
 
@@ -146,7 +146,7 @@ class _BridgeSite:
         first = len(self.graph.points)
         self.graph.add_path(end, between, other)
         way = np.array([end, *range(first, first + len(between)), other], dtype=np.int64)
-        self._edges = np.concatenate([self._edges, np.stack([way[:-1], way[1:]], axis=1)])
+        self._edges = np.concatenate([self._edges, pair_neighbors(way)])
 
     def is_free(self, path: Array, spared: Integers) -> bool:
         """Return whether a path, shape (K, 2), crosses neither a contour nor a barrier."""

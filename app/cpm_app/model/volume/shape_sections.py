@@ -12,7 +12,7 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import cut_region
 from cpm_core.field import CHARGE_RADIUS
 from cpm_core.numerics import Array, Position, polyline
-from cpm_core.numerics.polyline import as_line
+from cpm_core.numerics.polyline import as_line, pair_neighbors
 from cpm_core.numerics.types import NO_POINTS, Line, Sides, record
 from cpm_core.shapes import (
     Barrier,
@@ -296,7 +296,7 @@ def _outline_middle_cuts(shape: Sphere | EnclosedRegion | EnclosingWall) -> Arra
 
 def _split_into_segments(path: Array) -> Array:
     """Split a path, shape (K, 3), into its segments, shape (K - 1, 2, 3)."""
-    return np.stack([path[:-1], path[1:]], axis=1)
+    return pair_neighbors(path)
 
 
 def _build_crosses(places: Array, sides: Sides) -> Array:
