@@ -14,7 +14,7 @@ from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.grids import grid_points, nearest_pixels
 from cpm_core.numerics.polyline import lengths_along, points_at_lengths
-from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values, check_rows
 from cpm_core.numerics.types import Array, Extent, Mask, Position
 from cpm_core.parameters.formatting import quote_value
 
@@ -262,14 +262,9 @@ def check_seeds(seeds: ArrayLike, shape: Extent, regions: AnyRegions | None) -> 
     """Check seeds, shape (N, D) [px of the image], and leave out those in places where no particle may be."""
     if seeds is None or isinstance(seeds, str):
         raise ValueError(f"seeds is {quote_value(seeds)} but must be positions: circle, uniform_grid, or any points.")
-    points = as_real_array(seeds)
-    if points.size == 0:
+    points = check_rows("starting particles", seeds, len(shape))
+    if not len(points):
         raise ValueError("there are no particles to start with: draw a circle or click some points first.")
-    if points.ndim != 2 or points.shape[1] != len(shape):
-        raise ValueError(f"the starting particles have the shape {points.shape} but must be (N, {len(shape)}).")
-    if not np.isfinite(points).all():
-        wrong = int((~np.isfinite(points)).sum())
-        raise ValueError(f"{wrong} coordinates of the starting particles are not finite: leave those particles out.")
     inside = is_inside_image(points, shape)
     if not inside.any():
         size = " x ".join(map(str, shape))

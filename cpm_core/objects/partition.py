@@ -389,9 +389,7 @@ class Partition(drawing.Pictured):
         excluded: Mask | None,
     ) -> _Request:
         """Read what a user has given; ValueError when it cannot be used."""
-        within, beyond, line, corners = (
-            as_positions(given, "rows and columns") for given in (inside, outside, stroke, box)
-        )
+        within, beyond, line, corners = (as_positions(given, 2) for given in (inside, outside, stroke, box))
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         if previous is not None and not isinstance(previous, Selection):

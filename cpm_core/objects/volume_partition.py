@@ -236,7 +236,7 @@ class VolumePartition:
             When points are not planes, rows and columns, the excluded voxels are not those of the volume, or a box
             does not have two corners, or has no server.
         """
-        within, beyond, corners = (as_positions(given, "planes, rows and columns") for given in (inside, outside, box))
+        within, beyond, corners = (as_positions(given, 3) for given in (inside, outside, box))
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         if len(corners) and not self.model:
@@ -389,7 +389,7 @@ class VolumePartition:
 
     def build_selection(self, region: Region, inside: ArrayLike = (), outside: ArrayLike = ()) -> Selection:
         """Build the selection of a region, such as that of an object, with its points, shape (M, 3) and (K, 3)."""
-        within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
+        within, beyond = (as_positions(given, 3) for given in (inside, outside))
         return Selection(region, self.shape, within, beyond, image=self.image)
 
     def _build_selection(

@@ -14,7 +14,12 @@ from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.image import Image, as_image
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, field_divergence_centers, pixels_above, uniform_grid
 from cpm_core.numerics.grids import grid_points
-from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_three_numbers, check_voxel_sides
+from cpm_core.numerics.real_numbers import (
+    check_finite_number,
+    check_rows,
+    check_three_numbers,
+    check_voxel_sides,
+)
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.formatting import quote_value
 
@@ -162,11 +167,7 @@ def seeds_in_slice(
     >>> seeds.shape[1], set(seeds[:, 0].tolist())
     (3, {12.0})
     """
-    drawn, sides = as_real_array(points), check_voxel_sides("voxel_size", voxel_size)
-    if drawn.ndim != 2 or drawn.shape[1] != 2:
-        raise ValueError(f"what is drawn in a slice has the shape {drawn.shape} but must be (N, 2), one row a point.")
-    if not np.isfinite(drawn).all():
-        raise ValueError(f"{int((~np.isfinite(drawn)).sum())} coordinates of what is drawn in a slice are not finite.")
+    drawn, sides = check_rows("points", points, 2), check_voxel_sides("voxel_size", voxel_size)
     across = int(check_finite_number("axis", axis, lambda number: number in (0, 1, 2), "0, 1 or 2"))
     place = check_finite_number("at", at, lambda number: True, "a finite number of voxels")
     return np.insert(drawn / np.delete(sides, across), across, place, axis=1)
