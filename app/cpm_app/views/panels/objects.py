@@ -269,7 +269,7 @@ class ClassRow(QWidget):
         self.name = QLineEdit(frame=False)
         self.color.setToolTip(tr("Color of the class"))
         menu = QMenu(self.color)
-        fill_colors(menu, self, lambda color: commands.name_class(number, self.name.text(), color), True)
+        fill_colors(menu, self, lambda color: commands.name_class(number, self.name.text(), color))
         self.color.setMenu(menu)
         self.digit.setText(str(number))
         self.digit.setCheckable(True)

@@ -198,4 +198,4 @@ class PageBar(PlaceBar):
             button.setVisible(not source.has_volumes)
         self.show_keys()
         self.setVisible(count > 1)
-        self.show_position(number, 1, max(count, 1))
+        self.show_position(number, max(count, 1))
