@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from cpm_core.chunked.chunked_contours import ChunkedContours
 from cpm_core.chunked.grid import Chunk, box_touches, outer_limits
 from cpm_core.chunked.seams import clip_contour
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.numerics.grids import expand_window, relative_window, true_bounds
+from cpm_core.numerics.grids import expand_window, first_pixel, relative_window, true_bounds
 from cpm_core.objects.all_objects import find_objects_in_parts
 from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.partition import ParentImage, Partition
@@ -30,7 +28,7 @@ def find_chunk_objects(found: ChunkedContours, parent: ParentImage, chunk: Chunk
     """Find the objects whose middle is in the core of a chunk: their contours, each with the number of its object."""
     for margin in OBJECT_MARGINS:
         window = expand_window(chunk.core, margin, parent.shape)
-        contours, corner = found.find_contours_near(window), np.array([side.start for side in window])
+        contours, corner = found.find_contours_near(window), first_pixel(window)
         low, high = outer_limits(window, parent.shape)
         first, last = low + _CLEAR_MARGIN, high - _CLEAR_MARGIN
         lines, is_cut = [], False

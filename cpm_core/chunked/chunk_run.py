@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from cpm_core.chunked.chunked_contours import ChunkedTask
 from cpm_core.chunked.grid import Chunk
 from cpm_core.chunked.image_statistics import ImageStatistics
@@ -11,7 +9,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above, uniform_grid
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import NO_POINTS, Array
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution
 
@@ -59,7 +57,7 @@ def _place_chunk_seeds(field: ScaleField, kind: str) -> Array:
     """Place the seeds of a chunk, shape (N, 2) [px of the chunk]; none where no edge is strong enough."""
     strength = field.edge_map
     if strength.max() < field.floor:
-        return np.empty((0, 2))
+        return NO_POINTS
     if kind == "grid":
         return uniform_grid(field.shape)
     seeds = pixels_above(strength, STRONG_EDGE_FRACTION, field.strongest)

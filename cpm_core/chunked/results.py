@@ -25,8 +25,8 @@ from cpm_core.formats.common.provenance import PROVENANCE_KEY, describe_provenan
 from cpm_core.formats.contours.geojson import build_features
 from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
 from cpm_core.formats.images.resolution import name_column
-from cpm_core.numerics.grids import Window, expand_window, rank_values, split_into_tiles, window_shape
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.grids import Window, expand_window, first_pixel, rank_values, split_into_tiles, window_shape
+from cpm_core.numerics.types import NO_POINTS, Array
 from cpm_core.parameters.formatting import format_count
 from cpm_core.parameters.provenance import Provenance, select_parameters
 from cpm_core.results.result import Result
@@ -98,7 +98,7 @@ def _number_labels(contours: Sequence[Contour]) -> dict[int, int]:
 
 def _shift_contours(contours: Sequence[Contour], window: Window) -> list[Contour]:
     """Shift contours to px of a window."""
-    corner = np.array([side.start for side in window])
+    corner = first_pixel(window)
     return [Contour(one.points - corner, one.closed, group=one.group, hole=one.hole) for one in contours]
 
 
@@ -158,7 +158,7 @@ def _build_result(found: ChunkedContours, contours: Sequence[Contour]) -> Result
     task, levels = found.task, found.task.source.levels
     made = build_provenance(task)
     return Result(
-        np.empty((0, 2)), tuple(contours), None, 0, True, "run chunk by chunk", found.grid.shape, levels.spacing[1:],
+        NO_POINTS, tuple(contours), None, 0, True, "run chunk by chunk", found.grid.shape, levels.spacing[1:],
         levels.unit, levels.name, provenance=made,
     )  # fmt: skip
 

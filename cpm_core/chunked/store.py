@@ -13,7 +13,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.numerics.types import JsonDict, frozen
+from cpm_core.numerics.types import NO_POINTS, JsonDict, frozen
 
 _SETTINGS_FILE = "settings.json"
 
@@ -62,7 +62,7 @@ class RunStore:
 def pack_contours(contours: Sequence[Contour], prefix: str = "own") -> JsonDict:
     """Pack contours into arrays whose names have a prefix."""
     arrays = {
-        "points": np.concatenate([np.empty((0, 2)), *(one.points for one in contours)]),
+        "points": np.concatenate([NO_POINTS, *(one.points for one in contours)]),
         "counts": np.array([len(one.points) for one in contours], np.int64),
         "junctions": np.array([one.junctions for one in contours], bool).reshape(-1, 2),
         **{name: np.array([getattr(one, name) for one in contours]) for name in _PLAIN_FIELDS},

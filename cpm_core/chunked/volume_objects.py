@@ -17,7 +17,7 @@ from cpm_core.chunked.volume_surface import ChunkedBodies, assemble_bodies, comp
 from cpm_core.image.image import Image
 from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.grids import Window, expand_window
+from cpm_core.numerics.grids import Window, expand_window, first_pixel
 from cpm_core.numerics.types import Index, JsonDict
 from cpm_core.objects.all_bodies import find_bodies_everywhere
 from cpm_core.objects.selection import Selection
@@ -110,7 +110,7 @@ def _find_chunk_objects(bodies: ChunkedBodies, chunk: Chunk) -> None:
         surfaces = _load_surfaces(bodies, near, table["label"][own])
         for body, box, surface in zip(table["label"][own].tolist(), boxes[own], surfaces, strict=True):
             window = _find_window(box[None], grid.shape)
-            first = np.array([side.start for side in window])
+            first = first_pixel(window)
             levels = volume.task.source.levels
             values = volume.task.source.read_values(window).astype(float)
             image = Image(values, levels.spacing, levels.unit, levels.name)

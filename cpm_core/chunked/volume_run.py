@@ -36,7 +36,7 @@ from cpm_core.image.pyramid import build_pyramid
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, pixels_above
 from cpm_core.model.volume.starts import seeds_everywhere
 from cpm_core.model.volume.state import VolumeState
-from cpm_core.numerics.grids import Window
+from cpm_core.numerics.grids import Window, first_pixel
 from cpm_core.numerics.types import Array, Single, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.surface.components import neighbor_distances
@@ -100,7 +100,7 @@ class ChunkedVolume:
                                                 for file in files if self.task.store.has_file(file))])  # fmt: skip
         low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T
         rows = rows[((rows[:, :3] >= low) & (rows[:, :3] <= high)).all(axis=1)]
-        points = rows[:, :3] - [side.start for side in chunk.padded]
+        points = rows[:, :3] - first_pixel(chunk.padded)
         return LocalThresholds(points, rows[:, 3].copy(), rows[:, 4].copy()), rows[:, 5:].copy()
 
 
@@ -215,6 +215,6 @@ def _run_in_chunk(volume: ChunkedVolume, chunk: Chunk) -> tuple[Array, Array]:
     if not len(points):
         return _NO_PARTICLES, np.empty(0)
     levels, normals = find_local_thresholds(field.smoothed, field.edge_map, points, volume.voxel_sides, field.smoothing)
-    places = levels.points + [side.start for side in chunk.padded]
+    places = levels.points + first_pixel(chunk.padded)
     particles = np.column_stack([places, levels.thresholds, levels.slopes, normals])
     return particles, neighbor_distances(levels.points * volume.voxel_sides)

@@ -28,7 +28,9 @@ from cpm_core.numerics.grids import (
     Window,
     bridge_corner_contacts,
     find_connected_parts,
+    first_pixel,
     label_joined_pairs,
+    lie_inside,
     relative_window,
     window_shape,
     zero_surface,
@@ -258,7 +260,7 @@ def _find_chunk_necks(heights: EdgeHeights, chunk: Chunk) -> None:
         )
         ways = bridge_necks(found, begin, around)
         ways += bridge_thin_vessels(found, begin, around, blurred_edge_width(volume.statistics.scaling.smoothing))
-        ways = [way + [side.start for side in chunk.padded] for way in ways]
+        ways = [way + first_pixel(chunk.padded) for way in ways]
         raised += [way for way in ways if volume.grid.find_chunk_numbers(way[len(way) // 2][None]) == chunk.number]
     volume.task.store.save(chunk_file_name(_NECKS_KIND, chunk.number), raised=np.concatenate(raised))
 
@@ -400,10 +402,10 @@ def _number_chunk_parts(files: _NumberedRegions, heights: EdgeHeights, chunk: Ch
     window = tuple(slice(side.start - (side.start == 0), side.stop + 1) for side in chunk.core)
     outer = tuple(slice(side.start - 1, side.stop + 1) for side in window)
     found = heights.read_window(outer)
-    corner = np.array([side.start for side in outer])
+    corner = first_pixel(outer)
     for at in grid.find_neighbors(chunk):
         voxels = store.load(chunk_file_name(_NECKS_KIND, at))["raised"] - corner
-        raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
+        raised = tuple(voxels[lie_inside(voxels, found.shape)].T)
         found[raised] = np.maximum(found[raised], RAISED_HEIGHT)
     bridge_corner_contacts(found, RAISED_HEIGHT)
     found = np.ascontiguousarray(found[1:-1, 1:-1, 1:-1])
@@ -428,7 +430,7 @@ def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels
     vertices, of those with a particle near, and of particles.
     """
     volume = heights.volume
-    corner, sides = np.array([side.start for side in window]), np.array(volume.task.source.levels.spacing)
+    corner, sides = first_pixel(window), np.array(volume.task.source.levels.spacing)
     vertices, faces = zero_surface(found)
     low = np.floor(vertices).astype(np.int64)
     axis = (vertices - low).argmax(axis=1)
@@ -445,7 +447,7 @@ def _triangulate_chunk(heights: EdgeHeights, chunk: Chunk, found: Single, labels
     levels, _ = volume.load_particles(
         chunk, _extended_core(volume, chunk), heights.particle_distance / volume.voxel_sides.min()
     )
-    points = (levels.points + [side.start for side in chunk.padded]) * volume.voxel_sides
+    points = (levels.points + first_pixel(chunk.padded)) * volume.voxel_sides
     mine = points[volume.grid.find_chunk_numbers(points / volume.voxel_sides) == chunk.number]
     particles, supported = np.empty(0, np.int64), np.zeros(len(vertices), bool)
     if len(vertices) and len(points):

@@ -16,7 +16,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.rasterize import rasterize_labels, rasterize_mask
 from cpm_core.numerics.real_numbers import check_finite_number
 from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array, Arrays, Index, Mask, frozen, record
+from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Index, Mask, frozen, record
 from cpm_core.parameters.formatting import format_repr
 
 DEFAULT_TOLERANCE = 2.0
@@ -217,15 +217,14 @@ class _SampledBoundary:
     """Samples and segments of contours; of a truth without the samples where its objects reach the image border."""
 
     def __init__(self, contours: Contours, truth: Truth | None = None, tolerance: float = 0.0) -> None:
-        none = np.empty((0, 2))
         paths = [contour.path for contour in contours]
         self.samples, self.vertices = sample_contours(contours), stack_vertices(contours)
         if truth is not None:
             self.samples, self.vertices = (
                 kept[~_is_cut_by_border(kept, truth, tolerance)] for kept in (self.samples, self.vertices)
             )
-        begin = np.concatenate([none, *(path[:-1] for path in paths)])
-        self.tree = SegmentTree(begin, np.concatenate([none, *(path[1:] for path in paths)]))
+        begin = np.concatenate([NO_POINTS, *(path[:-1] for path in paths)])
+        self.tree = SegmentTree(begin, np.concatenate([NO_POINTS, *(path[1:] for path in paths)]))
 
 
 def _is_cut_by_border(points: Array, truth: Truth, tolerance: float) -> Mask:

@@ -11,7 +11,7 @@ import numpy as np
 from cpm_core.image.colors import check_color
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
-from cpm_core.numerics.types import Array, Integers, record
+from cpm_core.numerics.types import NO_POINTS, Array, Integers, record
 from cpm_core.parameters.formatting import format_count, format_repr
 
 SAMPLE_SPACING = 0.25
@@ -174,14 +174,12 @@ def assign_numbers(contours: Contours) -> Integers:
 
 def stack_vertices(contours: Contours) -> Array:
     """Stack the vertices of contours, shape (N, 2) [px]."""
-    return np.concatenate([np.empty((0, 2)), *(contour.points for contour in contours)])
+    return np.concatenate([NO_POINTS, *(contour.points for contour in contours)])
 
 
 def sample_contours(contours: Contours) -> Array:
     """Sample contours every `SAMPLE_SPACING`, shape (N, 2) [px], for averages over their length."""
-    return np.concatenate(
-        [np.empty((0, 2)), *(polyline.sample_path(contour.path, SAMPLE_SPACING) for contour in contours)]
-    )
+    return np.concatenate([NO_POINTS, *(polyline.sample_path(contour.path, SAMPLE_SPACING) for contour in contours)])
 
 
 def build_path_tree(contours: Contours) -> PathTree:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.grids import label_joined_pairs
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.polyline import lengths_along, path_length, repeat_indices
+from cpm_core.numerics.polyline import lengths_along, pair_neighbors, path_length, repeat_indices
 from cpm_core.numerics.types import Array, Index, Mask, record
 
 _MIN_PASS_DETOUR = 3.0
@@ -80,7 +80,7 @@ class Graph:
 
     def remove_path(self, path: Index) -> None:
         """Remove the edges along a path."""
-        self.remove_edges(np.stack([path[:-1], path[1:]], axis=1))
+        self.remove_edges(pair_neighbors(path))
 
     def distance_between(self, a: int, b: int) -> float:
         """Measure the distance of two vertices [px]."""

@@ -17,7 +17,7 @@ from cpm_core.contours.contour import Contours
 from cpm_core.contours.measurements import area_moments, assign_labels, containment
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import find_label_boxes, rank_values
-from cpm_core.numerics.types import Array, Index, Numbers
+from cpm_core.numerics.types import NO_POINTS, Array, Index, Numbers
 from cpm_core.parameters.formatting import format_count, format_repr
 
 Column = Numbers
@@ -162,7 +162,7 @@ def _measure_region(label: int, outlines: Contours, holes: Contours, sides: Arra
     net = filled - sum((area_moments(path) for path in cuts), np.zeros(6))
     area, whole = max(float(net[0]), 0.0), float(filled[0])
     outer = sum(polyline.path_length(path) for path in paths)
-    points = np.concatenate([np.zeros((0, 2)), *paths])
+    points = np.concatenate([NO_POINTS, *paths])
     hull = float(shapely.MultiPoint(points).convex_hull.area) or whole
     center = net[1:3] / area if area > 0.0 else points.mean(axis=0) if len(points) else np.zeros(2)
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(2), np.zeros(2))

@@ -25,6 +25,7 @@ from cpm_core.numerics.grids import (
     run_in_bands,
     split_into_tiles,
     whole_window,
+    window_at,
     window_shape,
 )
 from cpm_core.numerics.jit import compiled
@@ -230,7 +231,7 @@ class ScaleField:
     @property
     def window(self) -> Window:
         """Window of the image that the field covers."""
-        return tuple(slice(at, at + n) for at, n in zip(self.corner, self.shape, strict=True))
+        return window_at(self.corner, self.shape)
 
     @property
     def shape(self) -> Extent:

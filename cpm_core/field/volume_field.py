@@ -190,19 +190,18 @@ def build_volume_field(
     smoothing: float | Literal["auto"],
     edge_floor: float,
     interest: Mask | None = None,
-    walls: Walls | None = None,
 ) -> VolumeField:
     """Build the fields of a volume, shape (P, R, C), with voxels of these sides [units].
 
     `smoothing` is the sigma of the Gaussian [units], or the least of a series that raises the edges above the noise;
     `edge_floor` is the fraction of the largest edge strength below which there is no edge; at 0 the background
-    decides alone; outside `interest` there are no edges, and no particle crosses `walls`.
+    decides alone; outside `interest` there are no edges.
     """
     after = partial(_smooth_edges, values, pitch, interest)
     found = automatic_edges(after) if smoothing == "auto" else after(float(smoothing))
     floor, noisy = weakest_volume_edge(found.strongest, found.background, edge_floor)
     made = found.smoothed, found.edge_map, pitch, found.strongest, floor, found.sigma
-    return VolumeField(*made, noisy=noisy, walls=walls)
+    return VolumeField(*made, noisy=noisy)
 
 
 def weakest_volume_edge(strongest: float, background: float, edge_floor: float) -> tuple[float, bool]:

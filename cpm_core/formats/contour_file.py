@@ -19,7 +19,7 @@ from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geoj
 from cpm_core.formats.contours.contents import CollectedContours, PlaneInfo
 from cpm_core.formats.images.readers import load_image
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Texts, record
+from cpm_core.numerics.types import NO_POINTS, Array, Texts, record
 
 _LOG = logging.getLogger(__name__)
 
@@ -56,7 +56,7 @@ class ContourFile:
 
     contours: tuple[Contour, ...]
     shape: tuple[int, int] | None = None
-    points: Array = field(default_factory=lambda: np.empty((0, 2)))
+    points: Array = field(default_factory=lambda: NO_POINTS)
     notes: Texts = ()
 
 

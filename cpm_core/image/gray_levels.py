@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import Window, run_in_bands, whole_window
+from cpm_core.numerics.grids import Window, first_pixel, run_in_bands, whole_window
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers
 
 NO_DATA_VALUE = float(np.finfo(np.float64).min)
@@ -181,7 +181,7 @@ def _find_bright_end(values: Array, part: Window, inside: Window) -> Any:
     while len(rest):
         level = own.ravel()[rest]
         first = np.argpartition(level, -min(count, len(rest)))[-count:]
-        places = np.stack(np.unravel_index(rest[first], own.shape), axis=1) + [side.start for side in part]
+        places = np.stack(np.unravel_index(rest[first], own.shape), axis=1) + first_pixel(part)
         bright = max(bright, np.minimum(level[first], _second_largest_around(values, places, inside)).max())
         rest = np.delete(rest, first)
         rest, count = rest[own.ravel()[rest] > bright], 4 * count

@@ -18,8 +18,13 @@ from cpm_core.numerics.grids import (
     Window,
     bounding_window,
     enclose_windows,
+    first_pixel,
+    grid_points,
+    lie_inside,
+    measure_depth,
     relative_window,
     true_bounds,
+    window_at,
     window_shape,
 )
 from cpm_core.numerics.packed_mask import PackedMask
@@ -184,7 +189,7 @@ class Region:
         height = max(1, _PIXELS_PER_TEST // max(1, len(cols)))
         for top in range(0, len(rows), height):
             part = mask[top : top + height]
-            places = np.stack(np.meshgrid(rows[top : top + height], cols, indexing="ij"), axis=-1).reshape(-1, 2)
+            places = grid_points((rows[top : top + height], cols))
             part[:] = self.encloses(places.astype(float)).reshape(part.shape)
         self._rasterized.clear()
         self._rasterized[first, last] = mask
@@ -197,7 +202,7 @@ class Region:
     @property
     def window(self) -> Window:
         """Rows and columns of the box around the pixels."""
-        return tuple(slice(at, at + side) for at, side in zip(self.origin, self._box[1].shape, strict=True))
+        return window_at(self.origin, self._box[1].shape)
 
     def cut_out(self, window: Window) -> Mask:
         """Return the pixels in a window, which may begin outside the image."""
@@ -210,7 +215,7 @@ class Region:
     def fill_into(self, filled: Mask) -> None:
         """Mark the pixels in a mask of the image."""
         first, mask = self.cut_to((0,) * filled.ndim, filled.shape)
-        filled[tuple(slice(at, at + n) for at, n in zip(first, mask.shape, strict=True))] |= mask
+        filled[window_at(first, mask.shape)] |= mask
 
     def clipped(self, shape: Extent) -> Region:
         """Return the pixels that lie in an image of this shape."""
@@ -232,7 +237,7 @@ class Region:
             return found
         origin, packed = self._box
         at = np.rint(places).astype(np.int64) - origin
-        there = ((at >= 0) & (at < packed.shape)).all(axis=1)
+        there = lie_inside(at, packed.shape)
         if there.any():
             low, high = at[there].min(axis=0), at[there].max(axis=0) + 1
             near = packed.cut(tuple(map(slice, low.tolist(), high.tolist())))
@@ -256,7 +261,7 @@ class Region:
         found = np.zeros(window_shape(window), bool)
         for one in (self, other):
             found[relative_window(one.window, window)] |= one.mask
-        return replace(Region.from_mask(found, [side.start for side in window]), surface=self.surface)
+        return replace(Region.from_mask(found, first_pixel(window)), surface=self.surface)
 
     def without(self, other: Region) -> Region:
         """Return the pixels of this region that are not those of another; its surface stays, where it has one."""
@@ -274,7 +279,7 @@ class Region:
     def shared_with(self, other: Region) -> Region:
         """Return the pixels that this region has in common with another."""
         there, mask = self._find_overlap(other)
-        return Region.from_mask(self._box[1].cut(there) & mask, np.add(self.origin, [side.start for side in there]))
+        return Region.from_mask(self._box[1].cut(there) & mask, np.add(self.origin, first_pixel(there)))
 
     def count_shared(self, other: Region) -> int:
         """Count the pixels that this region has in common with another."""
@@ -309,7 +314,7 @@ class Region:
         if mask.ndim == 3:
             at = int(mask.sum(axis=(1, 2)).argmax())
             plane, first, mask = (float(first[0] + at),), first[1:], mask[at]
-        depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+        depth = measure_depth(mask)
         row, col = np.unravel_index(int(np.argmax(depth)), mask.shape)
         return (*plane, float(row + first[0]), float(col + first[1]))
 

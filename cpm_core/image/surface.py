@@ -6,13 +6,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cpm_core.image import drawing
 from cpm_core.image.colors import check_color
 from cpm_core.numerics.grids import label_joined_pairs
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.real_numbers import as_real_array, check_voxel_sides
+from cpm_core.numerics.real_numbers import check_rows, check_voxel_sides
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, frozen, record
 from cpm_core.parameters.formatting import format_count, format_repr
 
@@ -78,8 +77,8 @@ class Surface:
     labels: tuple[Label, ...] = ()
 
     def __post_init__(self) -> None:
-        vertices = check_rows_of_three("vertices", self.vertices).copy()
-        faces = check_rows_of_three("faces", self.faces).astype(np.int64)
+        vertices = check_rows("vertices", self.vertices, 3).copy()
+        faces = check_rows("faces", self.faces, 3).astype(np.int64)
         wrong = faces[(faces < 0) | (faces >= len(vertices))]
         if len(wrong):
             raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")
@@ -198,18 +197,6 @@ class Surface:
         ends = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
         numbers = ends[:, 0] * len(self.vertices) + ends[:, 1]
         return np.unique(numbers, return_counts=True)[1]
-
-
-def check_rows_of_three(name: str, values: ArrayLike) -> Array:
-    """Check that numbers are finite and have the shape (N, 3), else raise ValueError with their name."""
-    rows = as_real_array(values)
-    if rows.size == 0:
-        return np.empty((0, 3))
-    if rows.ndim != 2 or rows.shape[1] != 3:
-        raise ValueError(f"The {name} have the shape {rows.shape} but must be (N, 3).")
-    if not np.isfinite(rows).all():
-        raise ValueError(f"The {name} hold NaN or infinite numbers: leave them out.")
-    return rows
 
 
 _LINE_OFFSET = (1.3e-6, 2.9e-6)

@@ -23,7 +23,7 @@ from cpm_core.image.pyramid import to_image
 from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions, pixels_in_polygon
 from cpm_core.numerics import polyline
-from cpm_core.numerics.grids import ConnectedParts, find_connected_parts
+from cpm_core.numerics.grids import ConnectedParts, find_connected_parts, lie_inside
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.packed_mask import PackedMask
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number
@@ -200,7 +200,7 @@ class Extrusion:
 def _pixels_on_line(line: Line, shape: Extent) -> Mask:
     """Mark the pixels of a slice that a line passes through."""
     pixels = np.rint(polyline.resample_path(polyline.corners_of(line), _LINE_SAMPLING)).astype(np.int64)
-    pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
+    pixels = pixels[lie_inside(pixels, shape)]
     filled = np.zeros(shape, bool)
     filled[tuple(pixels.T)] = True
     return filled

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.grids import bounding_window, expand_window, zero_surface
+from cpm_core.numerics.grids import bounding_window, expand_window, first_pixel, zero_surface
 from cpm_core.numerics.types import Array, Index, Integers, Mask
 
 _SMOOTHING = 0.8
@@ -71,7 +71,7 @@ def follow_painted_voxels(surface: Surface, before: Mask, after: Mask, origin: I
         return surface
     reach = int(max(_PATCH_REACHES)) + _EMPTY_MARGIN
     window = expand_window(bounding_window(changed), reach, changed.shape)
-    first = np.array(origin) + [side.start for side in window]
+    first = np.array(origin) + first_pixel(window)
     away = scipy.ndimage.distance_transform_edt(~np.pad(changed[window], reach))
     patch = surround_voxels(after[window], tuple(first.tolist()))
     distances = [_look_up(away, body.vertices - first + reach) for body in (surface, patch)]

@@ -11,7 +11,8 @@ import scipy
 from cpm_core.contours.contour import Contour, Contours, stack_vertices
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Extent, Index, Mask, record
+from cpm_core.numerics.polyline import step_lengths
+from cpm_core.numerics.types import NO_POINTS, Array, Extent, Index, Mask, record
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 
@@ -108,7 +109,7 @@ def boundary_from_outlines(outlines: Contours, scale_field: ScaleField) -> Bound
 def _boundary_along_paths(contours: Contours, paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:
     """Build the boundary along paths, each with the part of it that lies in the image."""
     if not paths:
-        return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros((0, 2)))
+        return Boundary(NO_POINTS, np.zeros((0, 2), np.int64), np.zeros(0), NO_POINTS)
     start = np.cumsum([0, *(len(path) for path, _ in paths)])
     normals = [
         np.pad(scale_field.normals_at(path[known]), [(known.start, len(path) - known.stop), (0, 0)], mode="edge")
@@ -151,7 +152,7 @@ def _split_off_border(path: Array, shape: Extent) -> list[Array]:
 def _sample_evenly(contour: Contour) -> Array:
     """Sample points along a contour, including its vertices; of a closed one the first is repeated at the end."""
     path = contour.path
-    counts = np.maximum(np.ceil(np.linalg.norm(np.diff(path, axis=0), axis=1) / _BOUNDARY_STRIDE), 1).astype(int)
+    counts = np.maximum(np.ceil(step_lengths(path) / _BOUNDARY_STRIDE), 1).astype(int)
     at = np.concatenate([[0.0], *(k + np.arange(1, count + 1) / count for k, count in enumerate(counts.tolist()))])
     return np.stack([np.interp(at, np.arange(len(path)), axis) for axis in path.T], axis=1)
 

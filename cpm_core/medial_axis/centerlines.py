@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.image.geometry import Geometry
 from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import first_pixel, grid_points
 from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_voxel_sides
 from cpm_core.numerics.types import Array, Arrays, Sides, record
 from cpm_core.numerics.voxel_graph import Chain, find_chains, thin_to_lines
@@ -39,7 +40,7 @@ _WALL_OFFSET = 0.2
 _DEPTH_TOLERANCE = 0.1
 """Voxels whose depth differs by less are about as deep [smallest sides of a voxel]."""
 
-_NEIGHBORHOOD_OFFSETS = np.stack(np.meshgrid(*[np.arange(-1, 2)] * 3, indexing="ij"), -1).reshape(-1, 3)
+_NEIGHBORHOOD_OFFSETS = grid_points(3 * [np.arange(-1, 2)])
 """Offsets of the 27 voxels in and around a voxel, shape (27, 3)."""
 
 _SMOOTHING_MARGIN = 8
@@ -187,7 +188,7 @@ def centerlines(
     if not mask.any():
         return Centerlines((), tuple(spacing), unit)
     box = scipy.ndimage.find_objects(mask.astype(np.int8))[0]
-    part, low = np.pad(mask[box], 1), np.array([side.start for side in box])
+    part, low = np.pad(mask[box], 1), first_pixel(box)
     # from the surface, halfway between voxels inside and outside
     depth = np.maximum(scipy.ndimage.distance_transform_edt(part, sampling=size) - 0.5 * size.min(), 0.0)
     lines = thin_to_lines(part, depth)

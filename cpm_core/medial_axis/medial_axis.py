@@ -16,7 +16,7 @@ import scipy
 from cpm_core.contours.graph import Graph
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.numerics.grids import label_joined_pairs
-from cpm_core.numerics.types import Array, Extent, Index, Mask, record
+from cpm_core.numerics.types import NO_POINTS, Array, Extent, Index, Mask, record
 
 _BOUNDING_DISTANCE = 8.0
 """Distance, in sizes of the image, of the additional points that keep all Voronoi cells bounded."""
@@ -124,7 +124,7 @@ def compute_medial_axis(boundary: Boundary, shape: Extent) -> MedialAxis:
     middle, widest = 0.5 * (size - 1.0), float(size.max())
     corners = middle + _BOUNDING_DISTANCE * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     if len(boundary.points) < 2:
-        return MedialAxis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
+        return MedialAxis(NO_POINTS, np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
     diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
     count = len(boundary.points)
     sites = np.sort(diagram.ridge_points.astype(np.int64), axis=1)

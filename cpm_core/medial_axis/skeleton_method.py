@@ -30,7 +30,7 @@ from cpm_core.medial_axis.structure import DARK_POLARITY, Structure, find_axis, 
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import is_inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, copy_with, record
+from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Mask, Numbers, Texts, copy_with, record
 from cpm_core.parameters import (
     CHARGE_PARAMETERS,
     PRESETS,
@@ -91,7 +91,7 @@ class SkeletonState:
     structure: Structure | Mask | None = None
     made_of: tuple[object, ...] = ()
     axis: MedialAxis | Centerlines | None = None
-    points: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    points: Array = field(default_factory=lambda: NO_POINTS)
     first: int = 0
     contours: tuple[Contour, ...] = ()
     radii: Arrays = ()

@@ -9,7 +9,6 @@ from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import Any, TypeVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.agreement import compare
@@ -29,7 +28,7 @@ from cpm_core.methods.regions import (
 )
 from cpm_core.methods.snakes import GVF_SNAKE, SNAKE
 from cpm_core.numerics.real_numbers import check_finite_number
-from cpm_core.numerics.types import frozen, record
+from cpm_core.numerics.types import NO_POINTS, frozen, record
 from cpm_core.parameters.formatting import format_choice, format_count, format_repr, quote_value
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.results.result import Result
@@ -288,7 +287,7 @@ def build_method_result(
     )
     place = image.shape, image.spacing, image.unit, image.source
     return Result(
-        np.empty((0, 2)),
+        NO_POINTS,
         tuple(numbered),
         None,
         facts.steps,

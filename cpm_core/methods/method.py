@@ -22,7 +22,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resample_path
 from cpm_core.numerics.real_numbers import as_real_array
-from cpm_core.numerics.types import Array, Arrays, Extent, Mask, frozen, record
+from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Extent, Mask, frozen, record
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr, quote_value
 
@@ -188,7 +188,7 @@ class ContourState:
     compute_contours: Callable[[], Contours]
     stop_reason: str = ""
     converged: bool = False
-    points: Array = field(default_factory=lambda: np.empty((0, 2)))
+    points: Array = field(default_factory=lambda: NO_POINTS)
 
     @cached_property
     def contours(self) -> Contours:

@@ -23,6 +23,7 @@ from cpm_core.methods.method import (
     signed_region_distance,
     unit_gray,
 )
+from cpm_core.numerics.grids import measure_depth
 from cpm_core.numerics.types import Array, Extent, frozen
 
 _MAX_CHAN_VESE_STEPS = 500
@@ -249,7 +250,7 @@ def label_seeds(start: Start, shape: Extent, settings: RandomWalkerSettings) -> 
     outer = rim if settings.margin == 0.0 else scipy.ndimage.distance_transform_edt(~inside) >= settings.margin
     if start.around:
         outer = rim | ~inside
-        depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
+        depth = measure_depth(inside)
         inside &= depth >= settings.depth * depth.max()
     return np.where(inside, _OBJECT_SEED, np.where(outer, _BACKGROUND_SEED, 0)).astype(np.int32)
 

@@ -26,7 +26,7 @@ from cpm_core.methods.method import (
     unit_edges,
     unit_gray,
 )
-from cpm_core.numerics.polyline import path_length, resample_path
+from cpm_core.numerics.polyline import path_length, resample_path, step_lengths
 from cpm_core.numerics.segments import SegmentTree
 from cpm_core.numerics.types import Array, Arrays, Extent, frozen
 
@@ -188,7 +188,7 @@ def _build_state(step: int, curves: Arrays, reason: str = "", at_rest: bool = Fa
 def _even_out_points(curve: Array) -> Array:
     """Return the path around a curve, sampled again where its points have become uneven."""
     path = np.concatenate([curve, curve[:1]])
-    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    steps = step_lengths(path)
     if steps.min() >= _SPACING_RANGE[0] * SNAKE_SPACING and steps.max() <= _SPACING_RANGE[1] * SNAKE_SPACING:
         return path
     return resample_path(path, SNAKE_SPACING)

@@ -12,8 +12,9 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.numerics.grids import grid_points, nearest_pixels
 from cpm_core.numerics.polyline import lengths_along, points_at_lengths
-from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values
+from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_image_values, check_rows
 from cpm_core.numerics.types import Array, Extent, Mask, Position
 from cpm_core.parameters.formatting import quote_value
 
@@ -162,7 +163,7 @@ def uniform_grid(shape: Extent, spacing: float = 8.0) -> Array:
     for n in sides.astype(int).tolist():
         count = max(1, int((n - 1) // spacing) + 1)
         axes.append(0.5 * (n - 1) + spacing * (np.arange(count) - 0.5 * (count - 1)))
-    return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    return grid_points(axes)
 
 
 def gradient_threshold(values: ArrayLike, fraction: float = STRONG_EDGE_FRACTION, smoothing: float = 1.0) -> Array:
@@ -261,14 +262,9 @@ def check_seeds(seeds: ArrayLike, shape: Extent, regions: AnyRegions | None) -> 
     """Check seeds, shape (N, D) [px of the image], and leave out those in places where no particle may be."""
     if seeds is None or isinstance(seeds, str):
         raise ValueError(f"seeds is {quote_value(seeds)} but must be positions: circle, uniform_grid, or any points.")
-    points = as_real_array(seeds)
-    if points.size == 0:
+    points = check_rows("starting particles", seeds, len(shape))
+    if not len(points):
         raise ValueError("there are no particles to start with: draw a circle or click some points first.")
-    if points.ndim != 2 or points.shape[1] != len(shape):
-        raise ValueError(f"the starting particles have the shape {points.shape} but must be (N, {len(shape)}).")
-    if not np.isfinite(points).all():
-        wrong = int((~np.isfinite(points)).sum())
-        raise ValueError(f"{wrong} coordinates of the starting particles are not finite: leave those particles out.")
     inside = is_inside_image(points, shape)
     if not inside.any():
         size = " x ".join(map(str, shape))
@@ -290,7 +286,7 @@ def _limit_per_pixel(points: Array, shape: Extent) -> Array:
 
     The first step deletes nearly all of them, but only after each has felt every other one.
     """
-    pixels = np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1)
+    pixels = nearest_pixels(points, shape)
     place = np.ravel_multi_index(tuple(pixels.T), shape)
     order = np.argsort(place, kind="stable")
     _, first, count = np.unique(place[order], return_index=True, return_counts=True)

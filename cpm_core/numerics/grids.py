@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from itertools import product
 from typing import Any, TypeVar
 
 import numpy as np
 import scipy
 import skimage
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
@@ -20,6 +20,7 @@ Labels = NDArray[np.int32]
 
 Values = TypeVar("Values", Array, Mask)
 Filling = TypeVar("Filling", Single, Labels)
+_Kind = TypeVar("_Kind", bound=np.integer)
 
 Window = tuple[slice, ...]
 """Pixels of a grid, a range along each axis."""
@@ -63,6 +64,26 @@ def relative_window(window: Window, outer: Window) -> Window:
 def enclose_windows(one: Window, other: Window) -> Window:
     """Return the smallest window around two windows."""
     return tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(one, other, strict=True))
+
+
+def first_pixel(window: Window) -> Index:
+    """Return the first pixel of a window."""
+    return np.array([side.start for side in window], np.int64)
+
+
+def window_at(corner: Iterable[int], shape: Extent) -> Window:
+    """Return the window of this shape that begins at a pixel."""
+    return tuple(slice(at, at + side) for at, side in zip(corner, shape, strict=True))
+
+
+def lie_inside(pixels: NDArray[Any], shape: Extent | int) -> Mask:
+    """Tell which pixels, shape (N, D), lie in a grid of this shape, shape (N,)."""
+    return np.asarray(((pixels >= 0) & (pixels < shape)).all(axis=1))
+
+
+def grid_points(axes: Sequence[ArrayLike]) -> NDArray[Any]:
+    """Return all points of a grid with these coordinates along its axes, shape (N, D)."""
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
 
 
 def split_into_tiles(shape: Extent, side: int) -> list[Window]:
@@ -144,6 +165,36 @@ def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:
     """Find the connected parts of a mask, shape (P, R, C); with `corners` voxels have 26 neighbors, else 6."""
     labels, count = scipy.ndimage.label(mask, np.ones((3, 3, 3), bool) if corners else None)
     return ConnectedParts(np.asarray(labels, np.int32), int(count))
+
+
+def label_parts(mask: Mask) -> tuple[Labels, int]:
+    """Label the connected parts of a mask, whose pixels may touch at corners, from 1; return their number, too."""
+    labels, count = scipy.ndimage.label(mask, np.ones((3,) * mask.ndim))
+    return np.asarray(labels, np.int32), int(count)
+
+
+def measure_depth(mask: Mask) -> Array:
+    """Measure how far each pixel of a mask is from the outside, which begins beyond the border of the grid [px]."""
+    depth: Array = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[(slice(1, -1),) * mask.ndim]
+    return depth
+
+
+def flood_from_markers(heights: NDArray[np.floating], markers: Labels, basin: Mask | None = None) -> Labels:
+    """Flood a grid, or a basin of it, from labeled markers over the lowest heights; return the labels."""
+    flood: Callable[..., Labels] = skimage.segmentation.watershed
+    return np.asarray(flood(heights, markers, mask=basin), np.int32)
+
+
+def spread_labels(labels: NDArray[_Kind]) -> NDArray[_Kind]:
+    """Give each pixel without a label, which is 0, that of the nearest pixel with one."""
+    nearest = scipy.ndimage.distance_transform_edt(labels == 0, return_distances=False, return_indices=True)
+    return labels[tuple(nearest)]
+
+
+def nearest_pixels(places: ArrayLike, shape: Extent) -> Index:
+    """Return the pixels of a grid of this shape that are nearest to places, shape (..., D)."""
+    inside: Array = np.clip(places, 0, np.array(shape) - 1)
+    return np.rint(inside).astype(np.int64)
 
 
 def compute_iou(one: Mask, other: Mask) -> float:

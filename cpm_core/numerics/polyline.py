@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterable, Sequence
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.numerics.segments import distances_to_segments, nearest_distances, winds_around
 from cpm_core.numerics.types import Array, Index, Line, Mask, Position
+
+_Kind = TypeVar("_Kind", bound=np.generic)
 
 MAX_CORNER_HANDLES = 24
 """Largest number of corners with a handle each; freehand paths have more corners."""
@@ -35,9 +39,19 @@ def repeat_indices(counts: Sequence[int] | Index) -> Index:
     return np.repeat(np.arange(len(counts)), counts)
 
 
+def step_lengths(path: Array) -> Array:
+    """Measure the length of each stretch of a path, shape (K, D), from vertex to vertex, shape (K - 1,)."""
+    return np.linalg.norm(np.diff(path, axis=0), axis=1)
+
+
+def pair_neighbors(path: NDArray[_Kind]) -> NDArray[_Kind]:
+    """Pair each vertex of a path, or what is known of it, shape (K, ...), with the next one, shape (K - 1, 2, ...)."""
+    return np.stack([path[:-1], path[1:]], axis=1)
+
+
 def lengths_along(path: Array) -> Array:
     """Return the length along a path, shape (K, D), up to each of its vertices, shape (K,) [px]; 0 at the first."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    return np.concatenate([[0.0], np.cumsum(step_lengths(path))])
 
 
 def path_length(path: Array | Sequence[Position]) -> float:
@@ -61,7 +75,7 @@ def midpoints_of_paths(paths: Sequence[Array], count: int) -> Array:
     """Return `path_midpoints` of one or more paths, shape (P, count, D), at once."""
     counts = [len(path) for path in paths]
     corners, ends = np.concatenate(paths), np.cumsum(counts)
-    steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    steps = step_lengths(corners)
     steps[ends[:-1] - 1] = 1.0  # so that no path begins where another one ends
     along = np.concatenate([[0.0], np.cumsum(steps)])
     begin, end = along[ends - counts, None], along[ends - 1, None]

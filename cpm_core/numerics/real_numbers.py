@@ -43,21 +43,23 @@ def as_real_array(values: ArrayLike) -> Array:
     return given.astype(float, copy=False)
 
 
-def as_positions(given: ArrayLike, axes: str) -> Array:
-    """Return positions as an array, shape (N, D), with a column for each named axis; raise ValueError for others.
+def check_rows(what: str, given: ArrayLike, axes: int) -> Array:
+    """Return points or vectors, one a row, shape (N, D); raise ValueError, which says what they are, for others."""
+    rows = as_real_array(given)
+    if rows.size == 0:
+        return np.empty((0, axes))
+    if rows.ndim != 2 or rows.shape[1] != axes:
+        columns = ("" if axes == 2 else "planes, ") + "rows and columns"
+        raise ValueError(f"the {what} have the shape {rows.shape} but must be (N, {axes}), {columns}.")
+    wrong = np.count_nonzero(~np.isfinite(rows))
+    if wrong:
+        raise ValueError(f"{wrong} coordinates of the {what} are not finite: leave these {what} out.")
+    return rows
 
-    `axes` are their names in the plural, such as ``"rows and columns"``.
-    """
-    count = len(axes.replace(" and ", ", ").split(", "))
-    places = as_real_array(given)
-    if places.size == 0:
-        return np.empty((0, count))
-    places = np.atleast_2d(places)
-    if places.ndim != 2 or places.shape[1] != count:
-        raise ValueError(f"the positions have the shape {places.shape} but must be (N, {count}), {axes}.")
-    if not np.isfinite(places).all():
-        raise ValueError(f"some positions are not finite: give numbers of {axes}.")
-    return places
+
+def as_positions(given: ArrayLike, axes: int) -> Array:
+    """Return one position or several as an array, shape (N, D); raise ValueError for others."""
+    return check_rows("positions", np.atleast_2d(as_real_array(given)), axes)
 
 
 def check_finite_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:

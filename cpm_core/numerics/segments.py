@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask, Position
+from cpm_core.numerics.types import NO_POINTS, Array, Index, Mask, Position
 
 
 def path_segments(path: Array) -> Array:
@@ -87,7 +87,7 @@ class PathTree:
 
         # GEOS knows no distance from a line without length
         counts = np.array([len(path) for path in paths], int)
-        corners, first = np.concatenate([np.empty((0, 2)), *paths]), np.cumsum(counts) - counts
+        corners, first = np.concatenate([NO_POINTS, *paths]), np.cumsum(counts) - counts
         long = np.logical_or.reduceat((corners != np.repeat(corners[first], counts, axis=0)).any(axis=1), first)
         self._lines = shapely.points(corners[first])
         of = np.repeat(np.arange(long.sum()), counts[long])

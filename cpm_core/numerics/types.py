@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 """Positions, forces, images: values in double precision."""
 
+NO_POINTS: Array = np.empty((0, 2))
+"""No positions in an image."""
+
 Single = NDArray[np.float32]
 """Values in single precision, where that is enough and faster."""
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from cpm_core.numerics.grids import label_parts
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
 
@@ -133,7 +134,7 @@ def find_chains(lines: Mask) -> list[Chain]:
     degree = (near >= 0).sum(1)
     crowded = np.zeros(lines.shape, bool)
     crowded[tuple(voxels[degree > 2].T)] = True
-    labels, count = scipy.ndimage.label(crowded, np.ones((3, 3, 3)))
+    labels, count = label_parts(crowded)
     junction = labels[tuple(voxels.T)] - 1  # -1 for voxels of chains
     centers = np.array([voxels[junction == k].mean(0) for k in range(count)]).reshape(-1, 3)
     neighbors = [row[row >= 0].tolist() for row in near]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import scipy
 
 from cpm_core.image.region import Region
+from cpm_core.numerics.grids import measure_depth
 from cpm_core.numerics.types import Callback
 from cpm_core.objects.body_evidence import rate_body
 from cpm_core.objects.selection import Selection
@@ -26,6 +26,6 @@ def find_bodies_everywhere(partition: VolumePartition, check: Callback = lambda:
 
 def build_body(partition: VolumePartition, region: Region) -> Selection:
     """Build the selection of a body, with its deepest voxel as its positive point, and its confidence."""
-    depth = scipy.ndimage.distance_transform_edt(np.pad(region.mask, 1))[1:-1, 1:-1, 1:-1]
+    depth = measure_depth(region.mask)
     deepest = np.argwhere(depth == depth.max())[:1] + np.array(region.origin, float)
     return rate_body(partition.build_selection(region, deepest))

@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import bounding_window, enclose_windows, expand_window, find_largest_part
+from cpm_core.numerics.grids import bounding_window, enclose_windows, expand_window, find_largest_part, measure_depth
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Callback, Mask
 from cpm_core.objects.candidate_regions import CandidateRegions, is_brighter_outside, is_part_of, may_be_several
@@ -279,8 +279,8 @@ def build_proposal(
 ) -> Selection:
     """Build the selection of some pixels, shape (H, W), with the deepest of them as its positive point."""
     box = bounding_window(mask)
-    depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
-    place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
+    depth = measure_depth(mask[box])
+    place = np.argwhere(depth == depth.max())[:1] + [float(side.start) for side in box]
     if features is None and not partition.uses_network:
         features = ConfidenceFeatures(point_count=0)
     elif features is None:

@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.surface import Surface
+from cpm_core.numerics.grids import nearest_pixels
 from cpm_core.numerics.types import Array
 
 _SAME_LEVEL = 1.5
@@ -43,7 +44,7 @@ def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
         Surface of what was found there.
     """
     level, noise = _measure_background(values)
-    at = np.clip(np.rint(place).astype(int), 0, np.array(values.shape) - 1)
+    at = nearest_pixels(place, values.shape)
     around = values[tuple(slice(max(index - 1, 0), index + 2) for index in at)]
     if abs(float(np.median(around)) - level) > _SAME_LEVEL * noise:
         return False

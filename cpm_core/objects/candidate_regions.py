@@ -17,7 +17,7 @@ import skimage
 
 from cpm_core.contours.faces import find_faces
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import Window, expand_window
+from cpm_core.numerics.grids import Window, expand_window, first_pixel
 from cpm_core.numerics.types import Array, Mask, record
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.image_parts import ImageParts
@@ -222,7 +222,7 @@ def _fill_masks(masks: Iterable[tuple[Window, Mask]], partition: Partition) -> I
     for box, mask in masks:
         inside = mask & partition.interest[box]
         if inside.any():
-            part = Region.from_mask(inside, [side.start for side in box])
+            part = Region.from_mask(inside, first_pixel(box))
             yield Candidate(part if _is_pierced(part, partition.values) else part.filled)
 
 

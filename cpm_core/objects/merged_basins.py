@@ -17,7 +17,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import Window
+from cpm_core.numerics.grids import Window, flood_from_markers, label_parts
 from cpm_core.numerics.types import Array, Index, Mask, Numbers, record
 from cpm_core.objects.confidence import FAINT, LARGE_AREA
 
@@ -134,10 +134,10 @@ class MergedBasins:
         """Merge the basins of an edge map, shape (H, W), in an image with this difference between white and black."""
         depth = _MIN_BASIN_DEPTH * float(np.median(strength)) + _MIN_BASIN_RISE * gray_span
         bottoms = skimage.morphology.h_minima(strength, depth)  # type: ignore[no-untyped-call]
-        markers, count = scipy.ndimage.label(bottoms > 0, np.ones((3, 3)))
+        markers, count = label_parts(bottoms > 0)
         if not count:  # the edge map is flat
             markers, count = np.ones(strength.shape, np.int64), 1
-        labels = np.asarray(skimage.segmentation.watershed(strength, markers), np.int64)  # type: ignore[no-untyped-call]
+        labels = flood_from_markers(strength, markers).astype(np.int64)
         links = _Links.between_basins(labels, strength, on_contours)
         size, count = 2 * count, count + 1
         parent = np.zeros(size, np.int64)

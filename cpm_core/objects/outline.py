@@ -13,6 +13,7 @@ from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.region_contrast import MeanContrast
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.polyline import step_lengths
 from cpm_core.numerics.types import Array, Arrays, Index, Mask, Single, record
 from cpm_core.objects.boundaries.boundary_guides import BoundaryGuides
 from cpm_core.objects.boundaries.crossings import Crossings
@@ -264,7 +265,7 @@ def compute_outlines(mask: Mask, guides: BoundaryGuides) -> tuple[ObjectOutline,
 def _build_outline(points: Array, free: Mask, guides: BoundaryGuides) -> ObjectOutline:
     """Build the outline through vertices, with its strength, contrast and gaps."""
     path = np.concatenate([points, points[:1]])
-    lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    lengths = step_lengths(path)
     middle = 0.5 * (path[1:] + path[:-1])
     strength = float(interpolate_field(guides.strength[None], middle)[:, 0] @ lengths / lengths.sum())
     along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)

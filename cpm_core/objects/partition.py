@@ -26,9 +26,9 @@ from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.numerics import polyline
-from cpm_core.numerics.grids import true_bounds
+from cpm_core.numerics.grids import label_parts, nearest_pixels, true_bounds
 from cpm_core.numerics.real_numbers import as_positions
-from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, frozen, record
+from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Extent, Index, Mask, frozen, record
 from cpm_core.objects.boundaries.boundary_guides import BoundaryGuides, build_boundary_guides
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import find_crossings
@@ -50,9 +50,6 @@ from cpm_core.objects.selection import (
 from cpm_core.objects.vessels import find_thin_object
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
-
-NO_POINTS = np.empty((0, 2))
-"""An empty array of points."""
 
 _OUTLINE_MARGIN = 10
 """Margin around an object that its outline depends on: twice the reach of its edge map [px]."""
@@ -392,9 +389,7 @@ class Partition(drawing.Pictured):
         excluded: Mask | None,
     ) -> _Request:
         """Read what a user has given; ValueError when it cannot be used."""
-        within, beyond, line, corners = (
-            as_positions(given, "rows and columns") for given in (inside, outside, stroke, box)
-        )
+        within, beyond, line, corners = (as_positions(given, 2) for given in (inside, outside, stroke, box))
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         if previous is not None and not isinstance(previous, Selection):
@@ -447,7 +442,7 @@ class Partition(drawing.Pictured):
         remark = ""
         limit = np.array(self.shape) - 1
         every = np.concatenate([inside, outside])
-        within, beyond = (np.rint(np.clip(places, 0, limit)).astype(np.int64) for places in (inside, outside))
+        within, beyond = (nearest_pixels(places, self.shape) for places in (inside, outside))
         pixels = np.concatenate([within, beyond])
         if ((every < -0.5) | (every > limit + 0.5)).any():
             remark = "A point outside the image counts as the nearest one in it."
@@ -599,7 +594,7 @@ class Partition(drawing.Pictured):
 
     def evaluate_mask(self, mask: Mask, inside: Array = NO_POINTS) -> Prediction:
         """Evaluate an object, shape (H, W), found otherwise, by the network, with points in it, shape (M, 2)."""
-        pixels = np.rint(np.clip(inside, 0, np.array(mask.shape) - 1)).astype(np.int64)
+        pixels = nearest_pixels(inside, mask.shape)
         pixels = pixels[mask[tuple(pixels.T)]]
         if not len(pixels) or len(pixels) >= MIN_DRAWN_PLACES:
             box, corner = _padded_box(mask)
@@ -677,7 +672,7 @@ def _padded_box(mask: Mask) -> tuple[tuple[slice, slice], Index]:
 
 def _select_connected(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:
     """Select the parts of a mask, shape (H, W), that hold pixels, shape (N, 2), up to barriers."""
-    parts, _ = scipy.ndimage.label(mask if barred is None else mask & ~barred, np.ones((3, 3), bool))
+    parts, _ = label_parts(mask if barred is None else mask & ~barred)
     if barred is not None and barred.any():
         parts = np.where(mask, skimage.segmentation.expand_labels(parts, 2.0), 0)  # type: ignore[no-untyped-call]
     held = np.zeros(int(parts.max()) + 1, bool)
@@ -723,8 +718,8 @@ def _replace_surrounding_points(inside: Array, before: Selection) -> Array:
     if not len(around) or not before.has_boundary:
         return inside
     rest = inside[~_is_among(inside, around)]
-    parts, count = scipy.ndimage.label(np.pad(before.mask, 1), np.ones((3, 3), bool))
-    place = np.clip(np.rint(rest[before.contains(rest)]), 0, np.array(before.shape) - 1).astype(int) + 1
+    parts, count = label_parts(np.pad(before.mask, 1))
+    place = nearest_pixels(rest[before.contains(rest)], before.shape) + 1
     empty = np.setdiff1d(np.arange(1, count + 1), parts[tuple(place.T)])
     depth = scipy.ndimage.distance_transform_edt(parts > 0)
     middles = np.array(scipy.ndimage.maximum_position(depth, parts, empty), float).reshape(-1, 2) - 1.0

@@ -10,7 +10,7 @@ import scipy
 import skimage
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import Window, expand_window, find_largest_part
+from cpm_core.numerics.grids import Window, expand_window, find_largest_part, first_pixel, label_parts
 from cpm_core.numerics.types import Extent, Mask, record
 from cpm_core.objects.candidate_regions import has_neck, is_part_of, measure_solidity
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures
@@ -90,12 +90,12 @@ class RegionEvidence:
         edges = strength > np.percentile(strength[mask], _EDGE_PERCENTILE)
         depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(mask & ~edges), 1.0)
         tops = skimage.morphology.h_maxima(depth, _MIN_TOP_HEIGHT) > 0  # type: ignore[no-untyped-call]
-        tops, count = scipy.ndimage.label(tops, np.ones((3, 3)))
+        tops, count = label_parts(tops)
         places = np.array(scipy.ndimage.maximum_position(depth, tops, range(1, count + 1)), np.int64).reshape(-1, 2)
         deepest = places[np.argsort(-depth[tuple(places.T)], kind="stable")][:_MAX_PLACES]
         largest = _MAX_CROP_SHARE * max(mask.shape)
         found = []
-        for pixel in deepest + [side.start for side in window]:
+        for pixel in deepest + first_pixel(window):
             for answer in self.partition.predict_at_scales(pixel, largest):
                 inside = answer.mask & self.partition.interest
                 if inside[tuple(pixel)]:

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part
+from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel
 from cpm_core.numerics.types import Array
 from cpm_core.objects.all_bodies import build_body
 from cpm_core.objects.all_objects import build_proposal
@@ -51,7 +51,7 @@ def find_similar_objects(partition: Partition | VolumePartition, chosen: Selecti
         body = parts[box] == number
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
         if (_MIN_TRUNCATED_SIZE if cut else _SIZE_RANGE[0]) * area <= np.count_nonzero(body) <= _SIZE_RANGE[1] * area:
-            other = _build_object(partition, Region.from_mask(find_largest_part(body), [side.start for side in box]))
+            other = _build_object(partition, Region.from_mask(find_largest_part(body), first_pixel(box)))
             if _measure_boundary_strength(partition, other) >= _MIN_RELATIVE_STRENGTH * strength:
                 yield other
 
@@ -76,7 +76,7 @@ def _trim_to_half_level(values: Array, region: Region) -> Region:
         return region
     own, around = float(np.median(near[body])), float(np.median(rim))
     kept = body & ((near - 0.5 * (own + around)) * (own - around) > 0.0)
-    return Region.from_mask(find_largest_part(kept), [side.start for side in window]) if kept.any() else region
+    return Region.from_mask(find_largest_part(kept), first_pixel(window)) if kept.any() else region
 
 
 def _measure_boundary_strength(partition: Partition | VolumePartition, selection: Selection) -> float:

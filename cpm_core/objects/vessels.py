@@ -9,7 +9,7 @@ import scipy
 import skimage
 
 from cpm_core.image.vesselness import filter_lines
-from cpm_core.numerics.grids import true_bounds
+from cpm_core.numerics.grids import label_parts, true_bounds
 from cpm_core.numerics.types import Array, Index, Mask
 
 _FIRST_REACH = 40
@@ -66,7 +66,7 @@ def _find_lines_around(values: Array, pixels: Index, reach: int) -> ThinObject |
     near, inside = values[box], tuple((pixels - low).T)
     dark, bright = filter_lines(near)
     for kind, other in ((dark, bright), (bright, dark)):
-        parts, count = scipy.ndimage.label(kind.find_pixels_above_chance(other), np.ones((3, 3)))
+        parts, count = label_parts(kind.find_pixels_above_chance(other))
         held = np.bincount(parts[inside], minlength=count + 1)
         held[0] = 0
         if held.max() < _MIN_POINT_SHARE * len(pixels):

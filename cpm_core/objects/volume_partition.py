@@ -25,7 +25,15 @@ from cpm_core.image.image import Image
 from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface, voxelize_surface
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
-from cpm_core.numerics.grids import ConnectedParts, expand_window, find_connected_parts
+from cpm_core.numerics.grids import (
+    ConnectedParts,
+    expand_window,
+    find_connected_parts,
+    first_pixel,
+    lie_inside,
+    nearest_pixels,
+    window_at,
+)
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.background import lies_in_background
@@ -228,7 +236,7 @@ class VolumePartition:
             When points are not planes, rows and columns, the excluded voxels are not those of the volume, or a box
             does not have two corners, or has no server.
         """
-        within, beyond, corners = (as_positions(given, "planes, rows and columns") for given in (inside, outside, box))
+        within, beyond, corners = (as_positions(given, 3) for given in (inside, outside, box))
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         if len(corners) and not self.model:
@@ -370,18 +378,18 @@ class VolumePartition:
     def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
         """Remove voxels from a selection, a mask of the volume, and what they cut off from its positive points."""
         first, mask = selection.region.cut_to((0, 0, 0), self.shape)
-        taken = excluded[tuple(slice(at, at + count) for at, count in zip(first, mask.shape, strict=True))]
+        taken = excluded[window_at(first, mask.shape)]
         if not (mask & taken).any():
             return selection
         parts = find_connected_parts(mask & ~taken, corners=True)
         voxels = self._find_nearest_voxels(selection.inside) - first
-        found = parts.part_at(voxels[((voxels >= 0) & (voxels < mask.shape)).all(axis=1)])
+        found = parts.part_at(voxels[lie_inside(voxels, mask.shape)])
         held = np.isin(parts.labels, found[found >= 0] + 1) if (found >= 0).any() else parts.labels > 0
         return replace(selection, region=Region.from_mask(held, first) if held.any() else NO_VOXELS)
 
     def build_selection(self, region: Region, inside: ArrayLike = (), outside: ArrayLike = ()) -> Selection:
         """Build the selection of a region, such as that of an object, with its points, shape (M, 3) and (K, 3)."""
-        within, beyond = (as_positions(given, "planes, rows and columns") for given in (inside, outside))
+        within, beyond = (as_positions(given, 3) for given in (inside, outside))
         return Selection(region, self.shape, within, beyond, image=self.image)
 
     def _build_selection(
@@ -433,7 +441,7 @@ class VolumePartition:
 
     def _find_nearest_voxels(self, places: Array) -> Index:
         """Find the nearest voxels of points."""
-        return np.rint(self._clip_points(places)).astype(np.int64)
+        return nearest_pixels(places, self.shape)
 
     @cached_property
     def _interest(self) -> Mask | None:
@@ -469,7 +477,7 @@ class VolumePartition:
                 window = expand_window(whole.window, 1, self.shape)
                 masks = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
                 if len(masks) > 1:
-                    parts = tuple(Region.from_mask(mask, [side.start for side in window]) for mask in masks)
+                    parts = tuple(Region.from_mask(mask, first_pixel(window)) for mask in masks)
             self._parts_of_bodies[number] = parts
         return self._parts_of_bodies[number]
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.numerics.grids import true_bounds
+from cpm_core.numerics.grids import lie_inside, true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
 from cpm_core.objects import Partition, Selection, compute_iou
 from cpm_core.pages.follow import PageFollower, describe_error
@@ -299,7 +299,7 @@ def _find_core(mask: Mask) -> Mask:
 def _shift_mask(mask: Mask, by: Index) -> Mask:
     """Shift a mask by whole pixels; those beyond the border are dropped."""
     places = np.argwhere(mask) + by
-    places = places[((places >= 0) & (places < mask.shape)).all(axis=1)]
+    places = places[lie_inside(places, mask.shape)]
     moved = np.zeros_like(mask)
     moved[tuple(places.T)] = True
     return moved

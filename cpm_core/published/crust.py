@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
-from cpm_core.numerics.real_numbers import as_real_array
+from cpm_core.numerics.polyline import pair_neighbors
+from cpm_core.numerics.real_numbers import check_rows
 from cpm_core.numerics.types import Array, Index
 
 _MIN_TRIANGULATED_POINTS = 4
@@ -31,7 +32,7 @@ def find_crust_edges(points: Array) -> Index:
         triangulation = scipy.spatial.Delaunay(points)
     except scipy.spatial.QhullError:  # all on one line: no triangles; the crust joins neighbors along it
         order = np.lexsort(points.T)
-        return np.unique(np.sort(np.stack([order[:-1], order[1:]], axis=1), axis=1), axis=0)
+        return np.unique(np.sort(pair_neighbors(order), axis=1), axis=0)
     triangles, neighbors = triangulation.simplices.astype(np.int64), triangulation.neighbors
     cotangent = _corner_cotangents(points[triangles])
     number = np.arange(len(triangles))
@@ -83,12 +84,5 @@ def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
     >>> len(contours), contours[0].closed, round(contours[0].area / (np.pi * 20**2), 2)
     (1, True, 1.0)
     """
-    array = as_real_array(points)
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise ValueError(f"points have the shape {array.shape} but must be (N, 2).")
-    if not np.isfinite(array).all():
-        raise ValueError(
-            f"points hold {int((~np.isfinite(array)).sum())} values that are not finite: leave those points out."
-        )
-    distinct = np.unique(array, axis=0)
+    distinct = np.unique(check_rows("points", points, 2), axis=0)
     return Graph(distinct, find_crust_edges(distinct)).extract_contours()

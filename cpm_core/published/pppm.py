@@ -58,10 +58,10 @@ _NODES_PER_PASS = 256
 """Nodes on the faces whose distances from all lumps are computed together."""
 
 
-def pppm_field(f: Array, r_c: float = R_C) -> Array:
-    r"""Compute the field, shape (D, \*shape), of the charges ``-f``, shape (\*shape), with a cut-off `r_c` [px]."""
+def pppm_field(f: Array) -> Array:
+    r"""Compute the field, shape (D, \*shape), of the charges ``-f``, shape (\*shape), with the cut-off `R_C`."""
     volume = f.reshape(-1, *f.shape[-2:])
-    field = direct_field(volume, r_c) + mesh_field(volume, r_c / CELLS_PER_CUTOFF)
+    field = direct_field(volume, R_C) + mesh_field(volume, R_C / CELLS_PER_CUTOFF)
     return field if f.ndim == 3 else field[1:, 0]
 
 

@@ -11,9 +11,10 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.image.surface import Surface, check_rows_of_three
+from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import label_joined_pairs, zero_surface
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.real_numbers import check_rows
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.components import (
     fill_unknown_regions,
@@ -185,7 +186,7 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
     >>> surface.closed, surface.euler
     (True, 2)
     """
-    places = check_rows_of_three("points", points)
+    places = check_rows("points", points, 3)
     places = np.unique(places, axis=0) if normals is None else places
     extent = float(np.abs(places - places[:1]).max()) if len(places) else 0.0
     if extent and not _MIN_EXTENT < extent < _MAX_EXTENT:
@@ -198,7 +199,7 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
         raise ValueError(f"A surface needs points that span a volume, but these {len(places)} lie in a plane.")
     apart = typical_distance(places)
     if normals is not None:
-        outward = check_rows_of_three("normals", normals)
+        outward = check_rows("normals", normals, 3)
         if len(outward) != len(places):
             raise ValueError(f"There are {len(places)} points, but {len(outward)} normals: give one for each point.")
         lengths = np.linalg.norm(outward, axis=1)

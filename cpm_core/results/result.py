@@ -22,7 +22,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Array, Arrays, Extent, Sides, record
+from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Extent, Sides, record
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.parameters.provenance import Provenance
@@ -105,7 +105,7 @@ class Result(drawing.Pictured):
     image: Image | None = None
     regions: AnyRegions | None = None
     channel: str = "luminance"
-    seeds: Array = field(default_factory=lambda: np.empty((0, 2)))
+    seeds: Array = field(default_factory=lambda: NO_POINTS)
     provenance: Provenance = field(default_factory=Provenance)
 
     @cached_property

@@ -125,7 +125,7 @@ def select(
         cut = Partition(image, (), model=model)
     else:
         cut = replace(Partition.from_result(_run_everywhere(image)), uses_network=False)
-    places = np.concatenate([as_positions(given, "rows and columns") for given in (start, inside)])
+    places = np.concatenate([as_positions(given, 2) for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
 

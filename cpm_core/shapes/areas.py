@@ -12,6 +12,7 @@ import numpy as np
 from cpm_core.image.image import Image
 from cpm_core.model.starts import pixels_above
 from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import grid_points
 from cpm_core.numerics.types import Array, Mask, frozen
 from cpm_core.shapes.path import ClosedPath, check_number
 
@@ -166,4 +167,4 @@ def place_evenly(lengths: Sequence[float], spacing: float) -> Array:
     for length in lengths:
         count = int(length // spacing) + 1
         along.append(0.5 * length + spacing * (np.arange(count) - 0.5 * (count - 1)))
-    return np.stack(np.meshgrid(*along, indexing="ij"), axis=-1).reshape(-1, len(lengths))
+    return grid_points(along)

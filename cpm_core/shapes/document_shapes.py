@@ -11,7 +11,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
-from cpm_core.numerics.types import Array, Extent, Line
+from cpm_core.numerics.types import NO_POINTS, Array, Extent, Line
 from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.everywhere import Everywhere
@@ -104,7 +104,7 @@ def collect_seeds(shapes: Iterable[Shape], image_seeds: ImageSeeds = NO_SEEDS) -
     For starts that depend on the image the positions are taken from `image_seeds`.
     """
     found = [image_seeds[start] if isinstance(start, ImageStart) else start.seeds() for start in select_starts(shapes)]
-    return np.concatenate(found) if found else np.empty((0, 2))
+    return np.concatenate(found) if found else NO_POINTS
 
 
 def compute_seeds(image: Image, shapes: Iterable[Shape], smoothing: float | str, channel: str = "luminance") -> Array:

@@ -97,6 +97,33 @@ class Circle(Round):
         return ((row - radius, col), (row, col + radius), (row + radius, col), (row, col - radius))
 
 
+class Elongated(Centered):
+    """Shape with a radius along each of two axes. Subclasses are frozen dataclasses."""
+
+    radii: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        for radius in self.radii:
+            check_number("radii", radius)
+
+    @property
+    def outline(self) -> Array:
+        """Vertices of the line, shape (K, D), the first repeated at the end."""
+        raise NotImplementedError
+
+    def resized_by(self, amount: float) -> Self:
+        """Return the shape with both radii changed by a number of px."""
+        return self._with_radii(self.radii[0] + amount, self.radii[1] + amount)
+
+    def distance_to(self, position: Place) -> float:
+        """Measure the distance of a position from the line [px]."""
+        return polyline.distance_to_path(self.outline, position)
+
+    def _with_radii(self, *radii: float) -> Self:
+        allowed = tuple(min(max(radius, SMALLEST_RADIUS), LARGEST_SIZE) for radius in radii)
+        return replace(self, radii=allowed)  # type: ignore[type-var]
+
+
 _ROTATION_ARM = 1.25
 """Distance of the rotation handle from the center, in first radii, before `_ROTATION_OFFSET`."""
 
@@ -105,7 +132,7 @@ _ROTATION_OFFSET = 4.0
 
 
 @frozen
-class Ellipse(Centered):
+class Ellipse(Elongated):
     """Particles on an ellipse.
 
     Attributes
@@ -124,10 +151,6 @@ class Ellipse(Centered):
     radii: tuple[float, float]
     angle: float = 0.0
 
-    def __post_init__(self) -> None:
-        for radius in self.radii:
-            check_number("radii", radius)
-
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 2)."""
         return initialization.closed_stroke(self.outline[:-1])
@@ -138,10 +161,6 @@ class Ellipse(Centered):
         turn = np.linspace(0.0, 2.0 * np.pi, _OUTLINE_CORNERS)
         (along, across), (first, second) = self._axes, self.radii
         return np.array(self.center) + first * np.cos(turn)[:, None] * along + second * np.sin(turn)[:, None] * across
-
-    def resized_by(self, amount: float) -> Ellipse:
-        """Return the ellipse with both radii changed by a number of px."""
-        return self._with_radii(self.radii[0] + amount, self.radii[1] + amount)
 
     def handles(self) -> Line:
         """Return the four ends of the axes, for resizing, and one place beyond the first, for rotation."""
@@ -160,10 +179,6 @@ class Ellipse(Centered):
         first, second = self.radii
         return self._with_radii(reached, second) if which % 2 == 0 else self._with_radii(first, reached)
 
-    def distance_to(self, position: Position) -> float:
-        """Measure the distance of a position from the line [px]."""
-        return polyline.distance_to_path(self.outline, position)
-
     def encloses(self, position: Position) -> bool:
         """Return whether a position lies inside."""
         shares = self._axes @ np.subtract(position, self.center) / self.radii
@@ -174,7 +189,3 @@ class Ellipse(Centered):
         """Directions of the first and the second radius, shape (2, 2)."""
         down, right = math.sin(self.angle), math.cos(self.angle)
         return np.array([(down, right), (right, -down)])
-
-    def _with_radii(self, first: float, second: float) -> Ellipse:
-        first, second = (min(max(radius, SMALLEST_RADIUS), LARGEST_SIZE) for radius in (first, second))
-        return replace(self, radii=(first, second))

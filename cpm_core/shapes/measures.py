@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
 
 from cpm_core.image.image import Image
-from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Line, Mask, Place, Position, frozen
-from cpm_core.shapes.ellipse import SMALLEST_RADIUS, Centered, Ellipse
-from cpm_core.shapes.path import LARGEST_SIZE, OpenPath, check_number
+from cpm_core.shapes.ellipse import Ellipse, Elongated
+from cpm_core.shapes.path import OpenPath
 
 
 @frozen
@@ -84,7 +82,7 @@ class Angle(OpenPath):
 
 
 @frozen
-class Oval(Centered):
+class Oval(Elongated):
     """An ellipse along the axes of an image, or of a slice of a volume, in which gray levels are measured.
 
     Attributes
@@ -104,8 +102,7 @@ class Oval(Centered):
     axis: int = 0
 
     def __post_init__(self) -> None:
-        for radius in self.radii:
-            check_number("radii", radius)
+        super().__post_init__()
         if self.axis not in range(3):
             raise ValueError(f"axis is {self.axis} but must be 0, 1 or 2.")
 
@@ -123,16 +120,8 @@ class Oval(Centered):
         """Return the ellipse with the radius of the handle reaching a position."""
         away, to = (tuple(map(abs, map(operator.sub, self._drop(at), self._flat.center))) for at in (handle, position))
         which = int(away[1] > away[0])
-        radii = tuple(to[index] if index == which else radius for index, radius in enumerate(self.radii))
-        return self._with_radii(radii[0], radii[1])
-
-    def resized_by(self, amount: float) -> Oval:
-        """Return the ellipse with both radii changed by a number of px."""
-        return self._with_radii(self.radii[0] + amount, self.radii[1] + amount)
-
-    def distance_to(self, position: Place) -> float:
-        """Measure the distance of a position from the line [px]."""
-        return polyline.distance_to_path(self.outline, position)
+        radii = (to[index] if index == which else radius for index, radius in enumerate(self.radii))
+        return self._with_radii(*radii)
 
     def encloses(self, position: Place) -> bool:
         """Return whether a position lies inside, in its slice."""
@@ -182,10 +171,6 @@ class Oval(Centered):
         """Return the place of a position in its slice."""
         at = self.center
         return position if len(at) == 2 else (*position[: self.axis], at[self.axis], *position[self.axis :])
-
-    def _with_radii(self, down: float, right: float) -> Oval:
-        down, right = (min(max(radius, SMALLEST_RADIUS), LARGEST_SIZE) for radius in (down, right))
-        return replace(self, radii=(down, right))
 
 
 Measure = Ruler | Angle | Oval

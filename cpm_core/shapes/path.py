@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import MAX_CORNER_HANDLES
-from cpm_core.numerics.types import Array, Line, Place, frozen
+from cpm_core.numerics.types import NO_POINTS, Array, Line, Place, frozen
 
 MIN_SIZE = 0.5
 """Least radius, and distance between particles [px]."""
@@ -40,7 +40,7 @@ class WithoutOutline:
     @property
     def outline(self) -> Array:
         """Empty outline, shape (0, 2)."""
-        return np.empty((0, 2))
+        return NO_POINTS
 
     def resized_by(self, amount: float) -> Self:
         """Return the shape itself: it has no size."""

@@ -70,6 +70,8 @@ class Session(QObject):
     """Another image has been opened."""
     document_changed = Signal(object)
     """The document has been replaced: Document."""
+    closing = Signal()
+    """Threads have to end."""
 
     def __init__(self, core: CoreFunctions | None = None) -> None:
         super().__init__()
@@ -335,7 +337,8 @@ class Session(QObject):
         self._start_polling()
 
     def close(self) -> None:
-        """Stop everything and wait for the worker to end."""
+        """Stop everything and wait for the threads to end."""
+        self.closing.emit()
         self._timer.stop()
         self.tasks.close()
         self._worker_thread.close()

@@ -12,7 +12,15 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.grids import Window, bounding_window, expand_window, whole_window
+from cpm_core.numerics.grids import (
+    Window,
+    bounding_window,
+    expand_window,
+    grid_points,
+    label_parts,
+    nearest_pixels,
+    whole_window,
+)
 from cpm_core.numerics.types import Array, Extent, Mask, Sides
 
 _LINK_FACTOR = 0.75
@@ -80,7 +88,7 @@ def _enclosed_with_border(near: Mask, on: Mask) -> Mask:
     counts.
     """
     parts, count = scipy.ndimage.label(~near)
-    rows, _ = scipy.ndimage.label(near, np.ones((3, 3), bool))
+    rows, _ = label_parts(near)
     enclosed, arcs = np.zeros(count + 1, bool), np.zeros_like(on)
     for row in np.setdiff1d(np.concatenate([rows[[0, -1]].ravel(), rows[:, [0, -1]].ravel()]), 0).tolist():
         alone = _are_in_hull(on & (rows == row), parts, count)
@@ -135,7 +143,7 @@ def is_everywhere(points: Array, shape: Extent, regions: AnyRegions | None = Non
 def _cell_centers(shape: Extent, cells: Sequence[int]) -> Array:
     """Return the centers of the cells that divide an image along its axes, shape (N, D) [px]."""
     lines = [(np.arange(count) + 0.5) * n / count - 0.5 for n, count in zip(shape, cells, strict=True)]
-    return np.stack([line.ravel() for line in np.meshgrid(*lines, indexing="ij")], axis=1)
+    return grid_points(lines)
 
 
 def hollow_part(points: Array, area: Mask) -> Mask:
@@ -149,7 +157,7 @@ def hollow_part(points: Array, area: Mask) -> Mask:
 def _mark_particles(points: Array, shape: Extent) -> tuple[Mask, float]:
     """Return the pixels with particles, and the usual distance of neighbors [px], infinite where there are none."""
     on = np.zeros(shape, bool)
-    on[tuple(np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1).T)] = True
+    on[tuple(nearest_pixels(points, shape).T)] = True
     if len(points) < 2:
         return on, np.inf
     return on, float(np.median(scipy.spatial.cKDTree(points).query(points, k=[2])[0]))
@@ -160,6 +168,6 @@ def typical_radius(area: Mask) -> float:
     if not area.any():
         return 0.0
     area = area[_window_around(area, 0.0)]
-    labels, count = scipy.ndimage.label(area, structure=np.ones((3, 3), bool))
+    labels, count = label_parts(area)
     depth = scipy.ndimage.distance_transform_edt(area)
     return float(np.median(scipy.ndimage.maximum(depth, labels, np.arange(1, count + 1))))

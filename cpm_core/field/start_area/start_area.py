@@ -26,8 +26,8 @@ from cpm_core.field.start_area.drawn_area import (
     is_everywhere,
     typical_radius,
 )
-from cpm_core.field.start_area.surrounded_object import find_surrounded_object, flood_from_markers
-from cpm_core.numerics.grids import Labels
+from cpm_core.field.start_area.surrounded_object import find_surrounded_object
+from cpm_core.numerics.grids import Labels, flood_from_markers, label_parts
 from cpm_core.numerics.types import Array, Extent, Mask
 
 _SIGMA_PER_RADIUS = 0.1
@@ -215,7 +215,7 @@ def _usual_strength(strength: Array, mask: Mask, rim: Mask) -> float:
 
 def _label_pieces(area: Mask, closed: Mask, stride: int) -> Labels:
     """Label the connected pieces of a start from 1, on a coarser grid; also those that lie between its pixels."""
-    pieces, _ = scipy.ndimage.label(area, np.ones((3, 3), bool))
+    pieces, _ = label_parts(area)
     coarse = np.where(closed, 0, pieces)[::stride, ::stride]
     lost = np.setdiff1d(pieces, coarse)
     if not len(lost):

@@ -8,13 +8,10 @@ minimum cut). Then the border is moved to the strongest edges near it (watershed
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import scipy
-import skimage
 
-from cpm_core.numerics.grids import Labels, bounding_window
+from cpm_core.numerics.grids import bounding_window, flood_from_markers, measure_depth
 from cpm_core.numerics.types import Array, Index, Mask
 
 _SURROUNDINGS_WIDTH = 0.3
@@ -79,7 +76,7 @@ def find_surrounded_object(values: Array, strength: Array, area: Mask) -> Mask:
     if not area.any():
         return found
     box = bounding_window(area)
-    depth = scipy.ndimage.distance_transform_edt(np.pad(area[box], 1))[1:-1, 1:-1]
+    depth = measure_depth(area[box])
     radius = float(depth.max())
     sigma = float(np.clip(_DENOISING_SIGMA * radius, _MIN_DENOISING_SIGMA, _MAX_DENOISING_SIGMA))
     smooth = scipy.ndimage.gaussian_filter(values[box].astype(float), sigma, mode="nearest")
@@ -91,17 +88,11 @@ def find_surrounded_object(values: Array, strength: Array, area: Mask) -> Mask:
 
 def _snap_to_edges(strength: Array, area: Mask, inner: Mask, width: float) -> Mask:
     """Move the border of an object to the strongest edges within some width [px]."""
-    core = scipy.ndimage.distance_transform_edt(np.pad(inner, 1))[1:-1, 1:-1] > width
+    core = measure_depth(inner) > width
     if not core.any():
         return inner & area
     outside = (scipy.ndimage.distance_transform_edt(~inner) > width) | ~area
     return flood_from_markers(strength, core + 2 * outside.astype(np.int32)) == 1
-
-
-def flood_from_markers(strength: Array, markers: Labels, basin: Mask | None = None) -> Labels:
-    """Flood an image, shape (H, W), or a basin of it, from labeled markers over the lowest edges; return the labels."""
-    flood: Callable[..., Labels] = skimage.segmentation.watershed
-    return np.asarray(flood(strength, markers, mask=basin), np.int32)
 
 
 def _separate_object(bins: Index, depth: Array, extent: float) -> Mask:

@@ -45,9 +45,6 @@ _MAX_ARRAY_BYTES = 256 * 2**20
 _COMPRESSION_LEVEL = 1
 """Level of zlib: higher ones hardly shrink coordinates further, however long they take."""
 
-REGION_KEYS = tuple(_REGION_TYPES)
-"""Keys of the entries that hold the limits of particles, in an image and in a volume."""
-
 
 @frozen
 class _PackedBox:

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane.births import select_survivors
-from cpm_core.numerics.grids import Labels, run_in_bands
+from cpm_core.numerics.grids import Labels, label_parts, run_in_bands
 from cpm_core.numerics.parallel import count_cores
-from cpm_core.numerics.types import Array, Extent, Index
+from cpm_core.numerics.types import NO_POINTS, Array, Extent, Index
 
 MAX_PLANE_RESEEDINGS = 3
 """Greatest number of reseedings until parameters are changed."""
@@ -56,15 +56,14 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
 
     `positions`, shape (N, 2), are those of the particles on an edge [px of the scale].
     """
-    none = np.zeros((0, 2))
     if not len(positions):
-        return none
+        return NO_POINTS
     blocked = np.zeros(scale_field.shape, bool)
     if len(scale_field.barrier_map.segments):
         blocked = scale_field.barrier_map.clearance < BARRIER_CLEARANCE
     rims, region_of = _label_rims(_label_enclosed(scale_field.edge_map < scale_field.floor, blocked))
     if not len(region_of):
-        return none
+        return NO_POINTS
     place = np.argwhere(rims > 0)
     number = rims[rims > 0]
     reach = _RIM_REACH + _RIM_REACH_PER_SIGMA * scale_field.smoothing
@@ -104,7 +103,7 @@ def _stretch_sizes(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: E
     """Return the size of the connected stretch of selected pixels that each belongs to; 0 for those not selected."""
     mask = np.zeros(shape, bool)
     mask[tuple(place[chosen].T)] = True
-    labels, _ = scipy.ndimage.label(mask, structure=np.ones((3, 3), bool))
+    labels, _ = label_parts(mask)
     size = np.bincount(labels[tuple(place[chosen].T)], minlength=int(labels.max()) + 1)
     return size[labels[tuple(place.T)]]
 
@@ -131,7 +130,6 @@ def _label_rims(regions: Labels) -> tuple[Labels, Index]:
     region_of : ndarray of int64
         Region of each rim; entry 0 is unused.
     """
-    eight = np.ones((3, 3), bool)
     beside = np.empty_like(regions)
 
     def widen_rows(first: int, end: int) -> None:  # without one more image of labels
@@ -149,7 +147,7 @@ def _label_rims(regions: Labels) -> tuple[Labels, Index]:
     for number, window in enumerate(windows, start=1):
         if window is None:  # all pixels next to the region belong to other regions
             continue
-        labels, found = scipy.ndimage.label(beside[window] == number, structure=eight)
+        labels, found = label_parts(beside[window] == number)
         part = rims[window]
         part[labels > 0] = labels[labels > 0] + count
         region_of.append(np.full(found, number))

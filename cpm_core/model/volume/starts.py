@@ -13,7 +13,13 @@ from cpm_core.field.volume_field import pitch_of, smooth_volume
 from cpm_core.image.gray_levels import limit_specks
 from cpm_core.image.image import Image, as_image
 from cpm_core.model.starts import STRONG_EDGE_FRACTION, field_divergence_centers, pixels_above, uniform_grid
-from cpm_core.numerics.real_numbers import as_real_array, check_finite_number, check_three_numbers, check_voxel_sides
+from cpm_core.numerics.grids import grid_points
+from cpm_core.numerics.real_numbers import (
+    check_finite_number,
+    check_rows,
+    check_three_numbers,
+    check_voxel_sides,
+)
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.formatting import quote_value
 
@@ -123,7 +129,7 @@ def seeds_on_box(first: Sequence[float], last: Sequence[float], spacing: float =
         lines = [np.linspace(low[k], high[k], int(counts[k]) + 1) for k in range(3)]
         lines = [line[1:-1] if k < axis else line for k, line in enumerate(lines)]  # edges belong to one face
         lines[axis] = np.array([low[axis], high[axis]])
-        faces.append(np.stack([part.ravel() for part in np.meshgrid(*lines, indexing="ij")], axis=1))
+        faces.append(grid_points(lines))
     return np.concatenate(faces)
 
 
@@ -161,11 +167,7 @@ def seeds_in_slice(
     >>> seeds.shape[1], set(seeds[:, 0].tolist())
     (3, {12.0})
     """
-    drawn, sides = as_real_array(points), check_voxel_sides("voxel_size", voxel_size)
-    if drawn.ndim != 2 or drawn.shape[1] != 2:
-        raise ValueError(f"what is drawn in a slice has the shape {drawn.shape} but must be (N, 2), one row a point.")
-    if not np.isfinite(drawn).all():
-        raise ValueError(f"{int((~np.isfinite(drawn)).sum())} coordinates of what is drawn in a slice are not finite.")
+    drawn, sides = check_rows("points", points, 2), check_voxel_sides("voxel_size", voxel_size)
     across = int(check_finite_number("axis", axis, lambda number: number in (0, 1, 2), "0, 1 or 2"))
     place = check_finite_number("at", at, lambda number: True, "a finite number of voxels")
     return np.insert(drawn / np.delete(sides, across), across, place, axis=1)

@@ -19,6 +19,14 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
 from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import (
+    first_pixel,
+    flood_from_markers,
+    label_parts,
+    lie_inside,
+    measure_depth,
+    nearest_pixels,
+)
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 
 _MAJORITY_SHARE = 0.5
@@ -95,7 +103,7 @@ class ClosedRegion:
     def measure_fraction_inside(self, pixels: Index, *, filled: bool = False) -> float:
         """Measure the fraction of pixels, shape (N, 2), that lie in it, or in it with its holes."""
         place = pixels - (self.box[0].start, self.box[1].start)
-        place = place[((place >= 0) & (place < self.mask.shape)).all(axis=1)]
+        place = place[lie_inside(place, self.mask.shape)]
         return float(np.count_nonzero((self.filled if filled else self.mask)[tuple(place.T)])) / len(pixels)
 
     def cut_at_neck(self, pixel: Index, others: Index) -> Mask | None:
@@ -106,9 +114,9 @@ class ClosedRegion:
         markers = np.zeros(self.mask.shape, np.int32)
         for number, pixels in ((2, others), (1, pixel[None])):
             place = pixels - (self.box[0].start, self.box[1].start)
-            markers[tuple(place[((place >= 0) & (place < markers.shape)).all(axis=1)].T)] = number
-        depth = scipy.ndimage.distance_transform_edt(np.pad(self.mask, 1))[1:-1, 1:-1]
-        parts = skimage.segmentation.watershed(-depth, markers, mask=self.mask)  # type: ignore[no-untyped-call]
+            markers[tuple(place[lie_inside(place, markers.shape)].T)] = number
+        depth = measure_depth(self.mask)
+        parts = flood_from_markers(-depth, markers, self.mask)
         own, other = parts == 1, parts == 2
         if not own.any() or not other.any():
             return None
@@ -183,7 +191,7 @@ class ClosedRegions:
             region = self._find_region(index)
             if region is None:
                 continue
-            pixels = np.argwhere(region.filled) + [side.start for side in region.box]
+            pixels = np.argwhere(region.filled) + first_pixel(region.box)
             near = [other for other in found if other.box_overlaps(region)]
             shares = [other.measure_fraction_inside(pixels, filled=True) for other in near]
             around = [other for other, share in zip(near, shares, strict=True) if share > _MAJORITY_SHARE]
@@ -246,9 +254,9 @@ class ClosedRegions:
         """Split a start into the pixels of its connected pieces, each of shape (N, 2)."""
         shape = self._values.shape
         if len(places) < MIN_DRAWN_PLACES:
-            yield from np.rint(np.clip(places, 0, np.array(shape) - 1)).astype(np.int64)[:, None]
+            yield from nearest_pixels(places, shape)[:, None]
             return
-        labels, count = scipy.ndimage.label(drawn_area(places, shape), np.ones((3, 3), bool))
+        labels, count = label_parts(drawn_area(places, shape))
         for number in range(1, count + 1):
             yield np.argwhere(labels == number)
 

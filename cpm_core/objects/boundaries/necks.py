@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 import skimage
 
+from cpm_core.numerics.grids import flood_from_markers, label_parts
 from cpm_core.numerics.types import Array, Index, Mask
 
 _NECK_DEPTH_RATIO = 0.1
@@ -24,6 +25,5 @@ def split_at_necks(mask: Mask, radius: float | None = None, sides: Array | None 
     depth = scipy.ndimage.gaussian_filter(depth, 1.0 / sides, mode="nearest")[inner]
     radius = float(depth.max()) if radius is None else radius
     tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK_DEPTH_RATIO * radius))  # type: ignore[no-untyped-call]
-    markers, _ = scipy.ndimage.label((tops > 0) & mask, np.ones((3,) * mask.ndim))
-    parts = skimage.segmentation.watershed(-depth, markers, mask=mask)  # type: ignore[no-untyped-call]
-    return np.asarray(parts, dtype=np.int64)
+    markers, _ = label_parts((tops > 0) & mask)
+    return flood_from_markers(-depth, markers, mask).astype(np.int64)

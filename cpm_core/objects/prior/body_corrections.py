@@ -8,8 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-import skimage
 
+from cpm_core.numerics.grids import (
+    first_pixel,
+    flood_from_markers,
+    label_parts,
+    measure_depth,
+    nearest_pixels,
+    spread_labels,
+)
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
@@ -89,9 +96,9 @@ def _add_by_watershed(body: BodyPrediction, context: CropContext) -> Mask | None
     for axis in range(3):
         np.moveaxis(markers, axis, 0)[[0, -1]] = _OUTSIDE_BASIN
     for steps, basin in ((context.negative, _OUTSIDE_BASIN), (context.positive, _BODY_BASIN)):
-        blocks = np.clip(np.rint((steps - 0.5) / 2.0), 0, len(before) - 1).astype(np.int64)
+        blocks = nearest_pixels((steps - 0.5) / 2.0, before.shape)
         markers[tuple(blocks.T)] = basin
-    added = (skimage.segmentation.watershed(edges, markers) == _BODY_BASIN) & ~before  # type: ignore[no-untyped-call]
+    added = (flood_from_markers(edges, markers) == _BODY_BASIN) & ~before
     along = scipy.ndimage.binary_dilation(added) & ~added & ~scipy.ndimage.binary_dilation(before, iterations=2)
     around = before & ~scipy.ndimage.binary_erosion(before)
     if not along.any() or not around.any() or np.median(edges[along]) < _MIN_ADDED_STRENGTH * np.median(edges[around]):
@@ -106,8 +113,8 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
         return None
     box = scipy.ndimage.find_objects(whole.astype(np.int8))[0]
     before, removed = whole[box], np.zeros_like(whole)
-    depth = scipy.ndimage.distance_transform_edt(np.pad(before, 1))[1:-1, 1:-1, 1:-1]
-    first, last = np.array([side.start for side in box]), np.array(before.shape) - 1
+    depth = measure_depth(before)
+    first, last = first_pixel(box), np.array(before.shape) - 1
     inner = tuple(np.clip(np.rint(context.positive) - first, 0, last).astype(np.int64).T)
     outer = tuple(np.clip(np.rint(step) - first, 0, last).astype(np.int64))
     for radius in range(1, _MAX_NECK_RADIUS + 1):
@@ -118,7 +125,7 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
         if parts[outer] in held:
             continue
         kept = scipy.ndimage.distance_transform_edt(~np.isin(parts, held)) <= radius + 1.0
-        rest, _ = scipy.ndimage.label(before & ~kept, np.ones((3, 3, 3)))
+        rest, _ = label_parts(before & ~kept)
         if rest[outer]:
             removed[box] = rest == rest[outer]
             return removed
@@ -127,7 +134,7 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
 
 def find_part_at_necks(body: BodyPrediction, point: Array) -> BodyPrediction | None:
     """Find the part of a body that holds a point, shape (3,), once it is split at its necks; None without a neck."""
-    step = np.clip(np.rint(body.crop.to_crop_steps(point)), 0, len(body.logits) - 1).astype(int)
+    step = nearest_pixels(body.crop.to_crop_steps(point), body.logits.shape)
     pieces, _ = scipy.ndimage.label(body.logits > 0.0)
     if not pieces[tuple(step)]:
         return None
@@ -136,8 +143,7 @@ def find_part_at_necks(body: BodyPrediction, point: Array) -> BodyPrediction | N
     number = parts[tuple(step // 2)]
     if not number or parts.max() == 1:
         return None
-    nearest = scipy.ndimage.distance_transform_edt(parts == 0, return_distances=False, return_indices=True)
-    near = parts[tuple(nearest)].repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
+    near = spread_labels(parts).repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
     left_out = np.float32(-MAX_LOGIT)
     logits = np.where(whole & (near == number), body.logits, np.minimum(body.logits, left_out))
     slice_logits = np.where(whole & (near != number), left_out, body.slice_logits)

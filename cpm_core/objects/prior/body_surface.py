@@ -14,7 +14,7 @@ import scipy
 
 from cpm_core.field.interpolation import value_at
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.grids import find_connected_parts, zero_surface
+from cpm_core.numerics.grids import find_connected_parts, grid_points, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
@@ -118,7 +118,7 @@ def _select_connected_logits(body: BodyPrediction, inside: Array, outside: Array
 def _find_cell_corners(cube: Crop3D, places: Array) -> Index:
     """Find the eight steps around each point, in a grid that is one wider."""
     first = np.floor(cube.to_crop_steps(places)).astype(np.int64) + 1
-    around = np.stack(np.meshgrid(*[[0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    around = grid_points(3 * [[0, 1]])
     return np.clip(first[:, None] + around, 0, len(cube.axis_positions[0]) + 1).reshape(-1, 3)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.numerics.grids import lie_inside
 from cpm_core.numerics.parallel import limit_blas
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
@@ -112,7 +113,7 @@ def mark_points(steps: Array) -> Mask:
     """Mark the pixels, shape (CROP_SIDE, CROP_SIDE), of a crop or a slice of it that hold points, shape (N, 2)."""
     on = np.zeros((CROP_SIDE, CROP_SIDE), np.bool_)
     place = np.rint(steps).astype(np.int64)
-    on[tuple(place[((place >= 0) & (place < CROP_SIDE)).all(axis=1)].T)] = True
+    on[tuple(place[lie_inside(place, CROP_SIDE)].T)] = True
     return on
 
 

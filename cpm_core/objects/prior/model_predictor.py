@@ -9,7 +9,7 @@ import numpy as np
 import PIL.Image
 import scipy
 
-from cpm_core.numerics.grids import bounding_window, compute_iou
+from cpm_core.numerics.grids import bounding_window, compute_iou, first_pixel, measure_depth
 from cpm_core.numerics.types import Array, Extent, Index, Numbers, Pixels, Single, record
 from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range, sample_bilinear
 from cpm_core.objects.prior.larger_models import decode_prompt, encode_image
@@ -117,8 +117,8 @@ def _list_points(prompt: Prompt) -> tuple[Array, Index]:
     area = prompt.previous_mask if prompt.drawn_area is None else prompt.drawn_area
     if area is not None and area.any() and not len(inside):
         box = bounding_window(area)
-        depth = scipy.ndimage.distance_transform_edt(np.pad(area[box], 1))
-        deep = np.argwhere(depth >= 0.5 * depth.max()) - 1 + [side.start for side in box]
+        depth = measure_depth(area[box])
+        deep = np.argwhere(depth >= 0.5 * depth.max()) + first_pixel(box)
         inside = _pick_evenly(deep, _MAX_AREA_POINTS)
     places = [inside, prompt.negative]
     labels = [1] * len(inside) + [0] * len(prompt.negative)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
+from cpm_core.numerics.grids import measure_depth
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.objects.prior.crops import DEVIATION_OFFSET, INSIDE_PROBABILITY, Crop3D, VolumeSampler, mark_points
@@ -126,7 +126,7 @@ def _build_query_maps(query: SliceQuery, context: CropContext) -> Single:
 
 def _find_deepest(mask: Mask) -> Mask:
     """Find the pixels that are farthest from the border of a mask."""
-    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    depth = measure_depth(mask)
     return np.asarray((depth == depth.max()) & mask)
 
 

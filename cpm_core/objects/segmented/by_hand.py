@@ -13,6 +13,7 @@ import skimage
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.region import Region
 from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import flood_from_markers, measure_depth, spread_labels
 from cpm_core.numerics.types import Array, Arrays, Index, Line, Mask, Position, frozen
 from cpm_core.objects.segmented.areas import BOUNDARY_DECIMALS, boundary_from_polygon, lies_on, polygon_from_boundary
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
@@ -231,7 +232,7 @@ def _split_by_watershed(item: SegmentedObject, places: Array, edges: _ObjectEdge
     shape = tuple(np.ceil(extent / step).astype(int).tolist())
     grid = low + step * np.indices(shape).reshape(2, -1).T
     inside = item.region.encloses(grid).reshape(shape)
-    depth = step * scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
+    depth = step * measure_depth(inside)
     pixels = np.rint((places - low) / step).astype(int)
     smooth = scipy.ndimage.gaussian_filter(depth, 1.0)
     ways = [climb_to_peak(smooth, pixel) for pixel in pixels]
@@ -247,9 +248,8 @@ def _split_by_watershed(item: SegmentedObject, places: Array, edges: _ObjectEdge
         edges.measure_relative_strength(grid).reshape(shape) - np.exp(-0.5 * (depth / _BOUNDARY_EDGE_WIDTH) ** 2), 0.0
     )
     levels = np.round(_LANDSCAPE_LEVELS * np.clip(height - np.minimum(depth / deep, 1.0), -1.0, 1.0))
-    found = skimage.segmentation.watershed(levels, seeds, mask=inside | (seeds > 0))  # type: ignore[no-untyped-call]
-    around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
-    return low, step, found[tuple(around)] == 2
+    found = flood_from_markers(levels, seeds, inside | (seeds > 0))
+    return low, step, spread_labels(found) == 2
 
 
 def climb_to_peak(depth: Array, pixel: Index) -> list[Index]:

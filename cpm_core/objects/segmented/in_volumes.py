@@ -9,9 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
-import skimage
 
 from cpm_core.image.region import Region
+from cpm_core.numerics.grids import flood_from_markers, label_parts, nearest_pixels, spread_labels
 from cpm_core.numerics.types import Array, Extent, Mask, Place, Sides
 from cpm_core.objects.segmented.by_hand import POINT_OUTSIDE, Halves, climb_to_peak
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
@@ -42,7 +42,7 @@ def voxelize_brush(
     reach = radius / size
     if axis is not None:
         reach[axis] = 0.0
-    last = np.clip(np.rint(ends[-1]), 0, np.array(shape) - 1).astype(np.int64)
+    last = nearest_pixels(ends[-1], shape)
     low = np.minimum(np.clip(np.ceil(ends.min(axis=0) - reach), 0, shape).astype(np.int64), last)
     high = np.maximum(np.clip(np.floor(ends.max(axis=0) + reach) + 1, 0, shape).astype(np.int64), last + 1)
     plane, row, col = (np.arange(a, b) * side for a, b, side in zip(low, high, sides, strict=True))
@@ -117,9 +117,8 @@ def split_painted_object(item: SegmentedObject, first: Place, second: Place, sid
     seeds = np.zeros(inside.shape, np.int32)
     for number, way in enumerate(ways, start=1):
         seeds[tuple(np.transpose(way))] = number
-    found = skimage.segmentation.watershed(height, seeds, mask=inside)  # type: ignore[no-untyped-call]
-    around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
-    found = np.where(inside, found[tuple(around)], 0)  # assign pieces that are connected to neither point
+    found = flood_from_markers(height, seeds, inside)
+    found = np.where(inside, spread_labels(found), 0)  # assign pieces that are connected to neither point
     halves = [Region.from_mask(found == number, begin) for number in (1, 2)]
     one, other = (item.redrawn(item.region.without(half)) for half in reversed(halves))
     return Halves(one, other, ())
@@ -156,10 +155,7 @@ def _interpolate_pieces(one: Mask, other: Mask, pixel: tuple[float, ...], share:
 
 def _match_pieces(first: Mask, last: Mask, pixel: tuple[float, ...]) -> list[tuple[Mask, Mask]]:
     """Match the pieces of two slices that continue each other: those that overlap, or else the nearest ones."""
-    one, other = (
-        [numbers == n for n in range(1, count + 1)]
-        for numbers, count in (scipy.ndimage.label(each, np.ones((3, 3))) for each in (first, last))
-    )
+    one, other = ([numbers == n for n in range(1, count + 1)] for numbers, count in map(label_parts, (first, last)))
     meet = np.array([[(a & b).any() for b in other] for a in one])
     away = np.array([[np.linalg.norm((_find_center(a) - _find_center(b)) * pixel) for b in other] for a in one])
     for joined, distances in ((meet, away), (meet.T, away.T)):

@@ -15,7 +15,8 @@ import skimage
 
 from cpm_core.field.scale_field import EDGE_END_FRACTION, ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index, Position
+from cpm_core.numerics.grids import lie_inside, nearest_pixels
+from cpm_core.numerics.types import NO_POINTS, Array, Index, Position
 from cpm_core.reconstruction.curve.gap_bridging import (
     BLOCKED_COST,
     EXTRA_COST_OFF_EDGE,
@@ -83,7 +84,7 @@ class LiveWire:
         return snap_path_to_ridge(smooth_pixel_path(pixels, ends[0], ends[1]), self._field)
 
     def _nearest_pixel(self, place: Position) -> Index:
-        return np.clip(np.rint(place).astype(np.int64), 0, np.array(self._field.shape) - 1)
+        return nearest_pixels(place, self._field.shape)
 
     def _box_around(self, pixel: Index, margin: int) -> tuple[Index, Index]:
         last = np.array(self._field.shape) - 1
@@ -100,10 +101,10 @@ class LiveWire:
             float(np.percentile(above, _STRONG_EDGE_PERCENTILE)) if above.size else max(self._field.strongest, 1e-300)
         )
         costs = 1.0 / (1.0 + EXTRA_COST_OFF_EDGE * np.minimum(strength / strong, 1.0))
-        avoided = np.concatenate([np.empty((0, 2)), *(polyline.sample_path(line, 0.25) for line in self._avoided)])
+        avoided = np.concatenate([NO_POINTS, *(polyline.sample_path(line, 0.25) for line in self._avoided)])
         away = np.linalg.norm(avoided[:, None] - self._spared, axis=2).min(axis=1)
         pixels = np.rint(avoided[away > UNBLOCKED_RADIUS]).astype(np.int64) - self._low
-        pixels = pixels[((pixels >= 0) & (pixels < costs.shape)).all(axis=1)]
+        pixels = pixels[lie_inside(pixels, costs.shape)]
         costs[tuple(np.unique(pixels, axis=0).T)] += BLOCKED_COST
         search = skimage.graph.MCP_Geometric(costs)
         search.find_costs([tuple(self._nearest_pixel(self._start) - self._low)])

@@ -16,7 +16,8 @@ import skimage
 from cpm_core.contours.contour import Bridge
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.polyline import lengths_along, path_length, resample_path
+from cpm_core.numerics.grids import nearest_pixels
+from cpm_core.numerics.polyline import lengths_along, pair_neighbors, path_length, resample_path
 from cpm_core.numerics.segments import first_crossing
 from cpm_core.numerics.types import Array, Index, Integers, Mask, record
 
@@ -145,7 +146,7 @@ class _BridgeSite:
         first = len(self.graph.points)
         self.graph.add_path(end, between, other)
         way = np.array([end, *range(first, first + len(between)), other], dtype=np.int64)
-        self._edges = np.concatenate([self._edges, np.stack([way[:-1], way[1:]], axis=1)])
+        self._edges = np.concatenate([self._edges, pair_neighbors(way)])
 
     def is_free(self, path: Array, spared: Integers) -> bool:
         """Return whether a path, shape (K, 2), crosses neither a contour nor a barrier."""
@@ -273,8 +274,8 @@ def _step_costs(edges: Array, strength: float, points: Array, margin: float) -> 
 
 def _find_cheapest_path(costs: Array, low: Index, start: Array, goals: Array) -> tuple[float, Array]:
     """Find the cheapest path from a position to one of several others and its cost; `low` is the first pixel."""
-    pixels = np.clip(np.rint(np.concatenate([start[None], goals]) - low), 0, np.array(costs.shape) - 1)
-    first, *last = map(tuple, pixels.astype(int).tolist())
+    pixels = nearest_pixels(np.concatenate([start[None], goals]) - low, costs.shape)
+    first, *last = map(tuple, pixels.tolist())
     search = skimage.graph.MCP_Geometric(costs)
     total, _ = search.find_costs([first])
     goal = min(last, key=lambda pixel: float(total[pixel]))

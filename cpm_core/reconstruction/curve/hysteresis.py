@@ -17,6 +17,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
 from cpm_core.field.region_contrast import MeanContrast
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.grids import nearest_pixels
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters import Parameters
 
@@ -47,7 +48,7 @@ def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> 
 
 def drop_beyond(graph: Graph, area: Mask, particles: Array, distance: float) -> None:
     """Remove what is traced outside an area, shape (H, W), farther than a distance [px] from any particle, (N, 2)."""
-    place = np.clip(np.rint(graph.points).astype(int), 0, np.array(area.shape) - 1)
+    place = nearest_pixels(graph.points, area.shape)
     beyond = np.flatnonzero(~area[tuple(place.T)])
     away, _ = scipy.spatial.cKDTree(particles).query(graph.points[beyond]) if len(particles) else (np.inf, None)
     gone = np.zeros(len(graph.points), bool)

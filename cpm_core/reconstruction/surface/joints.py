@@ -24,8 +24,9 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import ConnectedParts, Labels, find_connected_parts, find_root
+from cpm_core.numerics.grids import ConnectedParts, Labels, find_connected_parts, find_root, window_at
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.polyline import step_lengths
 from cpm_core.numerics.types import Array, Index, Mask, Single, record
 from cpm_core.reconstruction.surface.blur_correction import interpolate_gray
 from cpm_core.reconstruction.surface.components import HEIGHT_AWAY_FROM_PARTICLES
@@ -328,7 +329,7 @@ def bridge_thin_vessels(height: Single, begin: Index, surroundings: SaddleSurrou
     voxels = np.clip(np.rint(just_inside).astype(np.int64) - low, 0, np.array(inner.shape) - 1)
     part = parts.part_at(voxels)
     wanted = np.bincount(part[part >= 0], minlength=parts.count) >= _MIN_PARTICLES_ON_PART
-    gray = surroundings.volume[tuple(slice(a, a + n) for a, n in zip(low, inner.shape, strict=True))]
+    gray = surroundings.volume[window_at(low, inner.shape)]
     gray = gray if surroundings.sign > 0.0 else -gray
     background, noise = _estimate_background(gray, inner <= -HEIGHT_AWAY_FROM_PARTICLES)
     edges = surroundings.sign * interpolate_gray(surroundings.volume, surroundings.points)
@@ -340,7 +341,7 @@ def bridge_thin_vessels(height: Single, begin: Index, surroundings: SaddleSurrou
     def is_thread(way: Index, _: Index) -> bool:
         """Return whether gray levels fall on all sides of a path, shape (K, 3), all along, by more than noise."""
         outside, size = way[parts.part_at(way) < 0] + low.astype(float), surroundings.size
-        steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
+        steps = step_lengths(outside * size)
         if len(outside) <= _AVERAGED_VOXELS or not _SHORTEST_VESSEL * width <= steps.sum() <= _LONGEST_VESSEL * width:
             return False
         falls = surroundings.sign * contrast_around_path(outside, surroundings, width)

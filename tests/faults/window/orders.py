@@ -87,7 +87,7 @@ class Office:
         began = now()
         self.document_file.finish_saving()
         self._journal.close()
-        self.workspace.close()
+        self.workspace.session.close()
         if now() - began > ANSWERS_WITHIN:
             self._fail(f"closing took {now() - began:.0f} s")
         left = [thread.name for thread in threading.enumerate() if ours(thread)]
@@ -212,7 +212,7 @@ def carried_out(row: Sequence[str], seed: object, folder: Path, images: Path) ->
             office.end(row[-1])
     except TimeoutError as error:
         office.broken.append(str(error))
-        office.workspace.close()
+        office.workspace.session.close()
     return office.broken, delays.count
 
 

@@ -13,6 +13,7 @@ from cpm_core import Comparison, Surface, SurfaceComparison, Truth, VolumeTruth
 from cpm_core.contours import distances_to_contours
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, polyline
+from cpm_core.numerics.polyline import step_lengths
 from cpm_core.numerics.types import record
 
 _PART_GAP = 0.6
@@ -52,7 +53,7 @@ def find_boundary_differences(contours: Contours, comparison: Comparison) -> tup
     missing = comparison.missing
     if len(missing):
         away = distances_to_contours(missing, contours)
-        cuts = np.flatnonzero(np.linalg.norm(np.diff(missing, axis=0), axis=1) > _PART_GAP) + 1
+        cuts = np.flatnonzero(step_lengths(missing) > _PART_GAP) + 1
         pieces = zip(np.split(missing, cuts), np.split(away, cuts), strict=True)
         found += [_describe_part("missing", points, far) for points, far in pieces]
     return tuple(sorted(found, key=lambda difference: -difference.farthest))

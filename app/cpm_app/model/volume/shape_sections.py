@@ -12,8 +12,8 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import cut_region
 from cpm_core.field import CHARGE_RADIUS
 from cpm_core.numerics import Array, Position, polyline
-from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Line, Sides, record
+from cpm_core.numerics.polyline import as_line, pair_neighbors
+from cpm_core.numerics.types import NO_POINTS, Line, Sides, record
 from cpm_core.shapes import (
     Barrier,
     Box,
@@ -66,7 +66,7 @@ class Cut:
     shape: Shape
     outline: Array
     held: Line = ()
-    particles: Array = field(default_factory=lambda: np.empty((0, 2)))
+    particles: Array = field(default_factory=lambda: NO_POINTS)
 
     def handles(self) -> Line:
         """Return the handles of the shape in the slice."""
@@ -101,7 +101,7 @@ def cut_shape(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tupl
     """
     found = tuple(_iterate_cuts(shape, here, sides))
     # nothing in the slice lies inside a region of interest that it does not cut
-    return (Cut(shape, np.empty((0, 2))),) if not found and isinstance(shape, Interest) else found
+    return (Cut(shape, NO_POINTS),) if not found and isinstance(shape, Interest) else found
 
 
 def _iterate_cuts(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
@@ -181,7 +181,7 @@ def _cut_box(box: Box | BoxGrid | BoxThreshold | BoxRegion, here: Slice) -> Iter
     if isinstance(box, BoxThreshold):
         yield Threshold(corners, box.fraction)
         return
-    near = np.empty((0, 2))
+    near = NO_POINTS
     if isinstance(box, Box):
         reach = max(NEAR_SLICE_DISTANCE, 0.6 * box.particle_spacing)
         near = _keep_one_per_pixel(_select_near(box.seeds(), here, reach))
@@ -296,7 +296,7 @@ def _outline_middle_cuts(shape: Sphere | EnclosedRegion | EnclosingWall) -> Arra
 
 def _split_into_segments(path: Array) -> Array:
     """Split a path, shape (K, 3), into its segments, shape (K - 1, 2, 3)."""
-    return np.stack([path[:-1], path[1:]], axis=1)
+    return pair_neighbors(path)
 
 
 def _build_crosses(places: Array, sides: Sides) -> Array:

@@ -15,7 +15,7 @@ from cpm_core.image.region import Region
 from cpm_core.numerics import Array, Mask, polyline
 from cpm_core.numerics.grids import Window, enclose_windows, running_maximum
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Line
+from cpm_core.numerics.types import NO_POINTS, Line
 from cpm_core.numerics.weak_cache import WeakCache
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, boundary_from_polygon, polygon_from_boundary
 from cpm_core.objects.segmented.segmented_object import Clicks
@@ -114,10 +114,9 @@ def select_near_clicks(clicks: Clicks, here: Slice) -> Clicks:
 
 def cut_selection(selection: Selection, here: Slice) -> Selection:
     """Cut a selection by a slice: only its boundary and its confidence are given."""
-    nowhere = np.empty((0, 2))
     lines = () if selection.surface is None else _cut_into_closed_lines(selection.surface, here)
     boundary, shape = Region(tuple(as_line(line.points) for line in lines)), here.drop_axis(selection.shape)
-    return Selection(boundary, shape, nowhere, nowhere, lines, confidence=selection.confidence)
+    return Selection(boundary, shape, NO_POINTS, NO_POINTS, lines, confidence=selection.confidence)
 
 
 _CENTERLINE_DISTANCE = 1.5

@@ -20,7 +20,7 @@ Made = TypeVar("Made")
 
 
 class LatestOnlyWorker(QObject):
-    """Does the newest work on a thread of its own; work that is still waiting is dropped for it.
+    """Does the newest work on a thread of its own, until the session closes; work that is still waiting is dropped.
 
     Errors of the work are shown by the session; `activity` follows "while" in their messages.
     """
@@ -36,6 +36,7 @@ class LatestOnlyWorker(QObject):
         self._pool: ThreadPoolExecutor | None = ThreadPoolExecutor(1, name)
         self._newest: Future[None] | None = None
         self._done.connect(self._on_done)
+        session.closing.connect(self.close)
 
     @property
     def idle(self) -> bool:
@@ -138,11 +139,6 @@ class AsyncCache(QObject):
             return meanwhile()
 
         return self._parts.get_named(name, start_making, *given)
-
-    def close(self) -> None:
-        """End the threads."""
-        for worker in self._workers.values():
-            worker.close()
 
     def _on_part_made(self, name: str, given: tuple[Any, ...], part: object) -> None:
         if self._parts.replace_part(name, given, part):

@@ -237,10 +237,6 @@ class ComparedResults(QObject):
             self.load_truth_file(self._truth_path)
         self._compare_rows()
 
-    def close(self) -> None:
-        """End the thread."""
-        self._latest.close()
-
     # Internal
 
     def _begin_comparison(self) -> None:

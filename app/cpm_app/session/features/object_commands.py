@@ -235,10 +235,6 @@ class ObjectCommands(QObject):
         self._session.edit(words, lambda document: objects.replace_by_halves(document, whole, halves))
         self._list.select_objects(item.number for item in self._list.objects.items if item.number not in before)
 
-    def close(self) -> None:
-        """End the thread."""
-        self._merging.close()
-
     # Internal
 
     def _has_frozen(self, rows: Sequence[ObjectRow]) -> bool:

@@ -205,10 +205,6 @@ class ObjectList(QObject):
         self._measuring_paused = False
         self._measure_missing()
 
-    def close(self) -> None:
-        """End the thread."""
-        self.measurer.close()
-
     # Internal
 
     def _on_scene_changed(self) -> None:

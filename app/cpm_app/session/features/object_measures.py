@@ -14,6 +14,7 @@ from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.session import Session
 from cpm_core import Image, Surface
 from cpm_core.numerics import Array
+from cpm_core.numerics.grids import window_at
 from cpm_core.objects.segmented import SegmentedObject
 
 GRAY_HISTOGRAM_BINS = 32
@@ -87,10 +88,6 @@ class ObjectMeasurer(QObject):
 
         self._latest.submit(lambda: [(item, _measure_object(item, image)) for item in missing], keep_figures)
 
-    def close(self) -> None:
-        """End the thread."""
-        self._latest.close()
-
     def _on_image_changed(self) -> None:
         """Remove the figures, because another image has been opened."""
         self.figures, self.bodies = {}, {}
@@ -108,7 +105,7 @@ def gray_histogram(values: Array, image: Image) -> tuple[int, ...]:
 
 def _measure_object(item: SegmentedObject, image: Image) -> ObjectFigures:
     first, mask = item.region.cut_to((0,) * image.ndim, image.shape)
-    values = image.stored[tuple(slice(at, at + side) for at, side in zip(first, mask.shape, strict=True))][mask]
+    values = image.stored[window_at(first, mask.shape)][mask]
     gray, counts = float(values.mean(dtype=float)) if len(values) else float("nan"), gray_histogram(values, image)
     if image.ndim == 2:
         return ObjectFigures(gray, counts)

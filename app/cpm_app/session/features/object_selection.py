@@ -46,52 +46,11 @@ def format_confidence(selection: Selection) -> str:
 
 
 @frozen
-class SelectionRequest:
-    """A request for the object of some clicks, and for what the run offers.
-
-    `preview_click` also asks for the effect of one more click, at the pointer; `candidate_step` for a candidate that
-    is some steps larger, or smaller below 0. Both come with their selector and the clicks before.
-    """
-
-    selector: Selector
-    clicks: Clicks
-    preview_click: tuple[Selector, Clicks, Click] | None
-    candidate_step: tuple[Selector, Clicks, int] | None
-
-    def compute_answer(self) -> SelectionAnswer:
-        """Compute the answer, which takes some milliseconds for each new click."""
-        selector, clicks = self.selector, self.clicks
-        selection, offered = selector.selection_for(clicks), selector.proposals
-        if selection is not None:
-            rest = [each for each in offered if each.clicks != clicks[: len(each.clicks)]]
-            held = (selection.contains(np.array(each.clicks[0].places[:1]))[0] for each in rest)
-            rest = [each for each, within in zip(rest, held, strict=True) if not within]
-            offered = (Proposal(selection, clicks, selector.edited), *rest)
-        for each in offered:
-            _ = (
-                each.proposed_object if each.selection.has_boundary else None
-            )  # cached on this thread, not on the window's
-        preview, candidate = None, None
-        if self.preview_click is not None:
-            selector, before, click = self.preview_click
-            after = selector.selection_for((*before, click)) if selector.is_quick((*before, click)) else None
-            preview = None if after is None else Preview(after, selector.selection_for(before), click.inside)
-        if self.candidate_step is not None:
-            selector, before, by = self.candidate_step
-            candidate = selector.step_clicks(before, by)
-        return offered, preview, candidate
-
-
-@frozen
 class WaitingAction:
     """An action that waits for the answer to earlier ones, and the click that it will make, if it is one."""
 
     run: Callback
     click: Click | None
-
-
-SelectionAnswer = tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int, int] | None]
-"""Proposals, the effect of a click, and the clicks of a candidate with its number and the number of candidates."""
 
 
 class ObjectSelection(QObject):
@@ -114,15 +73,18 @@ class ObjectSelection(QObject):
         self._pointed: Click | None = None
         self._steps = 0
         self._waiting: deque[WaitingAction] = deque()
-        self._answered: SelectionRequest | None = None
-        """The newest request whose answer is shown."""
+        self._answered: tuple[Selector, Clicks] | None = None
+        """The selector and the clicks of the answer that is shown."""
         self._is_catching_up = False
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
         self._is_searched = False
         """Whether the search in the partition has ended."""
         self._selectors: dict[int, Selector] = {}
-        self._request: SelectionRequest | None = None
+        self._selector: Selector | None = None
+        """The selector of the object of the clicks."""
+        self._asked: tuple[object, ...] = ()
+        """All that the newest answer depends on."""
         self._remark, self._was_ready = "", False
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
         self._finding = ENDED_TASK
@@ -164,14 +126,11 @@ class ObjectSelection(QObject):
     @property
     def answered(self) -> bool:
         """Whether the object of the clicks is known, or will not be; true without clicks."""
-        last, newest = self._answered, self._request
         if not self.selecting:
             return True
-        if newest is None:
+        if self._selector is None:
             return self.partition_updater.has_failed
-        if last is None or last.selector is not newest.selector:
-            return False
-        return last.clicks == self._session.document.objects.clicks
+        return self._answered == (self._selector, self._session.document.objects.clicks)
 
     @property
     def has_waiting_actions(self) -> bool:
@@ -181,8 +140,7 @@ class ObjectSelection(QObject):
     @property
     def offer_is_known(self) -> bool:
         """Whether all that the run offers is shown; true if it offers nothing."""
-        newest, last = self._request, self._answered
-        shown = newest is not None and last is not None and last.selector is newest.selector
+        shown = self._answered is not None and self._answered[0] is self._selector
         return not self._offers_run or (shown and self._is_searched and self.partition_updater.is_current)
 
     def object_number_at(self, at: Place) -> int:
@@ -319,16 +277,11 @@ class ObjectSelection(QObject):
             self._session.edit(
                 tr("all like this"), lambda document: objects.add_selections(document, found, example.category)
             )
-            self._session.messages.show(tr("{count} objects like this one were found.").format(count=len(found)))
+            self._session.messages.show(tr("{count} objects like this one were found.", count=len(found)))
 
         self._session.tasks.start_task(
             tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found
         )
-
-    def close(self) -> None:
-        """End the threads."""
-        self.partition_updater.close()
-        self._latest.close()
 
     # Internal
 
@@ -443,23 +396,32 @@ class ObjectSelection(QObject):
             self._set_proposals(())
             self._catch_up()
             return
-        changed = self._request is not None and known.items is not self._request.selector.items
+        changed = self._selector is not None and known.items is not self._selector.items
         gone = {click for item in known.items for click in item.clicks} if changed else set()  # accepted meanwhile
         self._set_proposals(
             tuple(each for each in self.proposals if not gone.issuperset(each.clicks) and (each.key or known.clicks))
         )
         pointed, stepped = None, None
         if self._pointed is not None and self.answered and not self._waiting:
-            clicks, number = self._clicks_to_extend(self._pointed)
-            pointed = self._get_selector(partition, number), clicks, self._pointed
+            before, number = self._clicks_to_extend(self._pointed)
+            pointed = self._get_selector(partition, number), before, self._pointed
         if self._steps:
-            clicks, number = self._stepped_clicks
-            stepped = self._get_selector(partition, number), clicks, self._steps
-        request = SelectionRequest(self._get_selector(partition, known.edited), known.clicks, pointed, stepped)
-        if request != self._request:
-            self._request = request
+            before, number = self._stepped_clicks
+            stepped = self._get_selector(partition, number), before, self._steps
+        selector, clicks = self._get_selector(partition, known.edited), known.clicks
+        asked = selector, clicks, pointed, stepped
+        if asked != self._asked:
+            self._selector, self._asked = selector, asked
+
+            def compute_answer() -> tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int, int] | None]:
+                offered = selector.propose(clicks)
+                preview = None if pointed is None else pointed[0].preview_click(*pointed[1:])
+                return offered, preview, None if stepped is None else stepped[0].step_clicks(*stepped[1:])
+
             self._latest.submit(
-                request.compute_answer, partial(self._on_answer, request), partial(self._on_failure, request)
+                compute_answer,
+                lambda answer: self._on_answer(selector, clicks, stepped, *answer),
+                lambda: self._on_failure(selector, clicks, asked),
             )
         self._catch_up()
 
@@ -469,10 +431,16 @@ class ObjectSelection(QObject):
         selected = self._session.scene.objects.selected or {each.key for each in self.proposals}
         return self._clicks_before(next(iter(selected)) if len(selected) == 1 else 0)
 
-    def _on_answer(self, request: SelectionRequest, answer: SelectionAnswer) -> None:
-        proposals, preview, candidate = answer
-        clicks, newest = self._session.document.objects.clicks, self._request
-        if newest is None or request.selector is not newest.selector or request.clicks != clicks:
+    def _on_answer(
+        self,
+        selector: Selector,
+        clicks: Clicks,
+        step: tuple[Selector, Clicks, int] | None,
+        proposals: tuple[Proposal, ...],
+        preview: Preview | None,
+        candidate: tuple[Clicks, int, int] | None,
+    ) -> None:
+        if selector is not self._selector or clicks != self._session.document.objects.clicks:
             return  # the next answer is on its way
         self._update_shown_objects(preview=preview if self._pointed is not None else None)
         before = self.proposals
@@ -482,20 +450,20 @@ class ObjectSelection(QObject):
         if remark and remark != self._remark:  # once
             self._session.messages.show(remark)
         self._remark = remark
-        if candidate is not None and request.candidate_step is not None:
-            self._on_candidate(request.candidate_step, *candidate)
-        last, self._answered = self._answered, request
-        if last is None or last.selector is not request.selector:
+        if candidate is not None and step is not None:
+            self._on_candidate(step, *candidate)
+        last, self._answered = self._answered, (selector, clicks)
+        if last is None or last[0] is not selector:
             self.changed.emit()
         self._catch_up()
         if self._pointed is not None:
             self._request_answer()  # what a click there would do now
 
-    def _on_failure(self, request: SelectionRequest) -> None:
+    def _on_failure(self, selector: Selector, clicks: Clicks, asked: tuple[object, ...]) -> None:
         """Give up what waits for an answer that does not come."""
-        if request is not self._request:
+        if asked is not self._asked:
             return  # the next answer is on its way
-        self._answered = request
+        self._answered = selector, clicks
         self._waiting.clear()
         self._steps = 0
         self._show_awaited_clicks()
@@ -514,7 +482,7 @@ class ObjectSelection(QObject):
 
     def _show_awaited_clicks(self) -> None:
         """Mark the clicks whose answer is not shown yet."""
-        known = self._answered.clicks if self._answered is not None else ()
+        known = self._answered[1] if self._answered is not None else ()
         clicks = () if self.answered else self._session.document.objects.clicks
         new = (each for each in clicks if each not in known)
         later = (each.click for each in self._waiting if each.click is not None)
@@ -559,8 +527,8 @@ class ObjectSelection(QObject):
         self._finding.cancel()
         self._selectors, self._found = {}, ()
         self._waiting.clear()
-        self._request = self._answered = self._pointed = self._searched = None
-        self._steps, self._run_ended = 0, False
+        self._selector = self._answered = self._pointed = self._searched = None
+        self._steps, self._run_ended, self._asked = 0, False, ()
 
 
 def describe_no_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:

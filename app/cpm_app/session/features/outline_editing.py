@@ -148,7 +148,7 @@ class OutlineEditing(QObject):
             item, index = copy_contours_to_objects(objects, item, (index,))[0], 0
         title = object_title(objects, item)
         if item.frozen:
-            frozen = tr("{name} is frozen: unfreeze it to change it.").format(name=title)
+            frozen = tr("{name} is frozen: unfreeze it to change it.", name=title)
             self._session.messages.show(frozen, category=EDITING_CATEGORY)
             return
         new = redraw_boundary(item, index, redrawn, self.edges if snapping else None)

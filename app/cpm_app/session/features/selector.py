@@ -16,7 +16,7 @@ from cpm_app.model.document.modes import MODES
 from cpm_app.model.document.objects import initial_clicks
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
-from cpm_app.session.scene import Proposal
+from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import (
@@ -151,10 +151,6 @@ class PartitionUpdater(QObject):
             self._models[ndim] = model
             self._on_image_changed()
             self.update_partition()
-
-    def close(self) -> None:
-        """End the thread."""
-        self._latest.close()
 
     def _current_source(self) -> PartitionSource | None:
         scene = self._session.scene
@@ -321,7 +317,24 @@ class Selector:
             _ = made.surface, made.contains(inside)  # cached on this thread, not on the window's
         return made
 
-    def is_quick(self, clicks: Clicks) -> bool:
+    def propose(self, clicks: Clicks) -> tuple[Proposal, ...]:
+        """Return the object that clicks select, and then what is offered elsewhere."""
+        selection, offered = self.selection_for(clicks), self.proposals
+        if selection is not None:
+            rest = (each for each in offered if each.clicks != clicks[: len(each.clicks)])
+            elsewhere = (each for each in rest if not selection.contains(np.array(each.clicks[0].places[:1]))[0])
+            offered = (Proposal(selection, clicks, self.edited), *elsewhere)
+        for each in offered:
+            if each.selection.has_boundary:
+                _ = each.proposed_object  # cached on this thread, not on the window's
+        return offered
+
+    def preview_click(self, before: Clicks, click: Click) -> Preview | None:
+        """Return what one more click would change; None where that takes too long, or it selects nothing."""
+        after = self.selection_for((*before, click)) if self._is_quick((*before, click)) else None
+        return None if after is None else Preview(after, self.selection_for(before), click.inside)
+
+    def _is_quick(self, clicks: Clicks) -> bool:
         """Return whether the selection takes so little time that it can be shown while the pointer moves."""
         if not isinstance(self.partition, VolumePartition) or clicks in self._known:
             return True

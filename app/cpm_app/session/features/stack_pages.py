@@ -105,10 +105,6 @@ class StackPages(QObject):
         """Set the session file, which keeps the runs of the open page; it is made after the pages that it stores."""
         self._file = document_file
 
-    def close(self) -> None:
-        """End the threads."""
-        self._linking.close()
-
     @property
     def running(self) -> bool:
         """Whether pages are being run in the background."""

@@ -37,12 +37,3 @@ class Workspace:
         self.slices = SliceNavigation(self.session)
         self.comparison = ComparedResults(self.session, self.navigation)
         self.second_images = SecondImages(self.session)
-
-    def close(self) -> None:
-        """Stop everything and wait for the threads to end."""
-        self.pages.close()
-        self.comparison.close()
-        self.object_list.close()
-        self.object_commands.close()
-        self.object_selection.close()
-        self.session.close()

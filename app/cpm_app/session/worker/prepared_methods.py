@@ -23,6 +23,7 @@ from cpm_core import RUN_METHODS, Contour, Image, Method, Parameters, PlacedChar
 from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import SkeletonMethod
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import NO_POINTS
 from cpm_core.shapes import NO_SEEDS, ImageSeeds, SeedCache
 
 
@@ -75,7 +76,7 @@ class PreparedMethods:
     def compute_seeds(self, document: Document) -> Array:
         """Return the seeds of a run of a document, shape (N, D) [px]; none if its method needs none."""
         if not RUN_METHODS[MODES[document.mode].method].seeded:
-            return np.zeros((0, 2))
+            return NO_POINTS
         return document.collect_seeds(self.compute_image_seeds(document))
 
     def compute_image_seeds(self, document: Document) -> ImageSeeds:

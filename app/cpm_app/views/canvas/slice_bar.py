@@ -27,7 +27,7 @@ class SliceBar(PlaceBar):
         self.axes = [QToolButton() for _ in AXIS_NAMES]
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
-            button.setToolTip(tr("Show slices across this axis: {axis}.").format(axis=AXIS_NAMES[axis]))
+            button.setToolTip(tr("Show slices across this axis: {axis}.", axis=AXIS_NAMES[axis]))
             button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXIS_NAMES[axis]))
             button.setCheckable(True)
             group.addButton(button, axis)
@@ -49,7 +49,7 @@ class SliceBar(PlaceBar):
         self.setVisible(slices is not None)
         if slices is None or image is None:
             return
-        self.show_position(slices.current.index + 1, 1, slices.count)
+        self.show_position(slices.current.index + 1, slices.count)
         for button, name in zip(self.axes, name_slices(image), strict=True):
             button.setText(name[:1].upper() + name[1:])
         self.axes[slices.axis].setChecked(True)

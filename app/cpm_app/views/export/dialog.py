@@ -187,7 +187,7 @@ class ExportDialog(QDialog):
         self.list = FormatList(preferences, self._count_items(), self._volume, image.hounsfield is not None, only)
         self.list.setMinimumSize(_LIST_WIDTH, parent.height() // 3)
         self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
-        self.units, self.space = QCheckBox(tr("Physical units ({unit})").format(unit=image.unit)), QComboBox()
+        self.units, self.space = QCheckBox(tr("Physical units ({unit})", unit=image.unit)), QComboBox()
         self.units.setChecked(True)
         self.tolerance, self._vertices, self._size = DecimalField(0.0, 10.0, 0.1, 1, " px"), QLabel(), QLabel()
         self.tolerance.setValue(0.5)
@@ -284,7 +284,7 @@ class ExportDialog(QDialog):
         for category in sorted({item.category for item in found.items if not item.hidden}):
             field = self.classes[category] = QLineEdit(found.classes[category - 1].name)
             field.setPlaceholderText(tr("Name of the class"))
-            field.setAccessibleName(tr("Class {number}").format(number=category))
+            field.setAccessibleName(tr("Class {number}", number=category))
             form.addRow(field.accessibleName(), field)
         self._thin = _create_row(self.tolerance, self.everywhere, self._vertices)
         self._smooth = _create_row(
@@ -384,18 +384,18 @@ class ExportDialog(QDialog):
             result = prepare_export(self._result, document, order, what, self._image)
             parts.append(describe_export(result, what, suffixes[0]))
             if not self._volume and all(count_left_out(result, suffix) == len(result.contours) for suffix in suffixes):
-                problem = tr("Nothing can be exported: {what}.").format(what=parts[-1])
+                problem = tr("Nothing can be exported: {what}.", what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
             if any(map(order.should_simplify, suffixes)) and not self._volume:
                 vertices[1] += sum(len(contour.points) for contour in simplify_result(result, order).contours)
         few, many = (localize_number(f"{count:,}") for count in reversed(vertices))
-        self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if vertices[1] else "")
+        self._vertices.setText(tr("{few} of {many} vertices", few=few, many=many) if vertices[1] else "")
         plan = self.animation_plan
         frames = tr("{count} frames of {width} × {height} px")
         self._size.setText(frames.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1]))
         if not self.base.text().strip():
             problem = tr("Name the files.")
-        count = tr("1 file") if len(order.files) == 1 else tr("{count} files").format(count=len(order.files))
+        count = tr("1 file") if len(order.files) == 1 else tr("{count} files", count=len(order.files))
         self.summary.setText(problem or tr("{files}: {contents}.", files=count, contents=", ".join(parts)))
         self.export_button.setEnabled(not problem)
         self.resize(self.size().expandedTo(self.sizeHint()))

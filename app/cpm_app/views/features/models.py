@@ -24,12 +24,6 @@ class LargerModelFeature(Feature):
             self.window.preferences.call_on_change(preference, self._on_model_chosen)
         self.window.preferences.call_on_change(SERVER_ADDRESS, self._on_server_named)
 
-    def close(self) -> bool:
-        """Stop the thread that looks for models."""
-        self._checker.close()
-        self._server_checker.close()
-        return True
-
     @property
     def _chosen_model(self) -> str:
         name = self._read(MODEL_PREFERENCE)

@@ -74,7 +74,7 @@ class ObjectsFeature(Feature):
 
         def ask_color() -> None:
             menu = QMenu(window)
-            fill_colors(menu, window, commands.color_selected, True)
+            fill_colors(menu, window, commands.color_selected)
             menu.aboutToHide.connect(menu.deleteLater)
             menu.popup(QCursor.pos())
 

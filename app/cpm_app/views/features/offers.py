@@ -110,11 +110,6 @@ class FilePartsFeature(Feature):
                        and (self._parts.has_choice or self._parts.series_around is not None)),
         )  # fmt: skip
 
-    def close(self) -> bool:
-        """Stop the thread that inspects files."""
-        self._part_reader.close()
-        return True
-
     def ask_for_part(self) -> None:
         """Ask which part to open."""
         opened, parts = self._opened, self._parts

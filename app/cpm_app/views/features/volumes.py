@@ -61,7 +61,6 @@ class SlicesFeature(Feature):
         """View in space, which is shown together with them."""
         self._sides_wanted = bool(window.preferences.read_key(_SIDES_SHOWN_KEY, True))
         self._cross = SliceCross(area.canvas)
-        self._slice_caches: list[AsyncCache] = []
         self._connect_view(area.canvas)
         window.preferences.call_on_change(WHEEL_PREFERENCE, self._set_wheel)
         area.flow.changed.connect(self._show_scene)
@@ -76,8 +75,8 @@ class SlicesFeature(Feature):
 
         def create_axis_action(axis: int) -> ActionSpec:
             name = AXIS_NAMES[axis]
-            return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}").format(axis=name),
-                              tr("Show slices across this axis: {axis}.").format(axis=name),
+            return ActionSpec(f"slices_across_{axis}", _SLICES_GROUP, tr("Across the &{axis}", axis=name),
+                              tr("Show slices across this axis: {axis}.", axis=name),
                               partial(slices.set_axis, axis), f"Ctrl+Shift+{axis + 1}", visible_when=has_volume,
                               checked_when=lambda _: slices.current is not None
                               and slices.current.axis == axis)  # fmt: skip
@@ -98,12 +97,6 @@ class SlicesFeature(Feature):
                        "Shift+Q", gap=True, visible_when=has_volume, checked_when=lambda _: self._sides_wanted),
         )  # fmt: skip
 
-    def close(self) -> bool:
-        """Stop the threads that compute slices."""
-        for later in self._slice_caches:
-            later.close()
-        return True
-
     def _set_wheel(self) -> None:
         wheel = self.window.preferences.read_preference(WHEEL_PREFERENCE)
         self.window.canvas_area.canvas.wheel_zooms = wheel == "zooms"
@@ -115,7 +108,6 @@ class SlicesFeature(Feature):
         view.sections.later = later = AsyncCache(self.session)
         later.completed.connect(view.redraw_scene)
         later.completed.connect(self.window.canvas_area.strip.legend.schedule_update)
-        self._slice_caches.append(later)
 
     def _open_menu(self, point: QPoint) -> None:
         """Open the menu of the item at a point of the screen, if there is one."""
@@ -275,11 +267,6 @@ class SpaceFeature(Feature):
         ):
             layer.changed.connect(self._show_space)
         self.actions = tuple(space_action_specs(self.panel, window.session))
-
-    def close(self) -> bool:
-        """Stop the thread that renders."""
-        self.panel.view.close_thread()
-        return True
 
     def write_view(self, path: Path, turning: bool) -> None:
         """Write the view as a picture, or as an animation of a full turn."""

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 from cpm_app.views.items.item import ImageOverlay, to_xy
 from cpm_app.views.theme.theme import get_canvas_style
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import NO_POINTS
 
 _MIN_DISC_DIAMETER = 2.4
 """Minimum diameter of a disc [px of the screen]."""
@@ -23,9 +24,6 @@ _DISC_SPAN = 2.4
 """Diameter of a disc [px of the image], slightly larger than the spacing of the particles."""
 
 Marks = NDArray[np.uint8]
-
-NO_POSITIONS: Array = np.empty((0, 2))
-"""No positions, shape (0, 2)."""
 
 _DISC_RIM = 16.0
 """Margin around the image for particles on its border [px of the image]."""
@@ -60,7 +58,7 @@ class Discs(ImageOverlay):
         self._colors: Sequence[str] = self._default_palette
         self._diameter = diameter
         self._size_factor = 1.0
-        self.position: Array = np.empty((0, 2))
+        self.position: Array = NO_POINTS
         self._marks: Marks | None = None
         self._opacity: Array | None = None
         self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)

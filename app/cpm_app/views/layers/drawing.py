@@ -16,13 +16,13 @@ from cpm_app.model.text.language import tr
 from cpm_app.model.volume.shape_sections import Section, cut_sphere, whole_shape
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
-from cpm_app.views.items.discs import NO_POSITIONS, Discs
+from cpm_app.views.items.discs import Discs
 from cpm_app.views.items.item import ImageOverlay, Markers, enable_caching, line_pen, to_xy
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.theme import theme
 from cpm_core.field import CHARGE_RADIUS, CHARGE_REACH
 from cpm_core.numerics import Array, Place
-from cpm_core.numerics.types import Extent
+from cpm_core.numerics.types import NO_POINTS, Extent
 from cpm_core.shapes import (
     Barrier,
     Box,
@@ -287,19 +287,19 @@ class DrawingLayer(Layer):
     def _flatten_places(self, places: Sequence[Place] | Array) -> Array:
         """Return places as (row, col) in the slice that is shown, shape (K, 2)."""
         if not len(places):
-            return NO_POSITIONS
+            return NO_POINTS
         slices, flat = self.scene.slices, np.array(places, dtype=float)
         return flat if slices is None or flat.shape[1] == 2 else slices.current.project_points(flat)
 
     def _ring_outline(self, center: Place | None, radius: float) -> Array:
         """Return the outline of a ring, shape (K, 2), empty if there is none."""
         if center is None:
-            return NO_POSITIONS
+            return NO_POINTS
         slices, volume = self.scene.slices, self.scene.volume
         if slices is None or volume is None or len(center) == 2:
             return Circle(center, radius).outline
         line = cut_sphere(Sphere.from_voxel_size(center, radius, volume.spacing), slices.current)
-        return NO_POSITIONS if line is None else line.outline
+        return NO_POINTS if line is None else line.outline
 
     def _show_starts(self) -> None:
         """Show lines, areas and handles; hide the seeds during a run, because they would cover its particles."""
@@ -388,4 +388,4 @@ def _shape_seeds(shapes: Sequence[Any], kinds: Any) -> Array:
 
 
 def _concatenate_positions(positions: Sequence[Array]) -> Array:
-    return np.concatenate([NO_POSITIONS, *positions])
+    return np.concatenate([NO_POINTS, *positions])

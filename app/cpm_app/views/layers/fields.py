@@ -19,6 +19,7 @@ from cpm_app.views.items.tiled_image import TiledImage
 from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
+from cpm_core.numerics.grids import grid_points
 from cpm_core.numerics.types import Pixels
 
 _AREA_OPACITIES = (18, 150)
@@ -220,7 +221,7 @@ def find_arrow_ends(field: Array, seen: QRectF, pixel: float) -> tuple[Array, Ar
     cols = np.arange(stride // 2, field.shape[2], stride)
     rows = rows[(rows >= seen.top()) & (rows <= seen.bottom())]
     cols = cols[(cols >= seen.left()) & (cols <= seen.right())]
-    grid = np.stack(np.meshgrid(rows, cols, indexing="ij"), axis=-1).reshape(-1, 2)
+    grid = grid_points((rows, cols))
     vectors = field[:, grid[:, 0], grid[:, 1]].T * (0.85 * stride)
     starts = grid - 0.5 * vectors
     return starts, starts + vectors

@@ -13,11 +13,12 @@ from cpm_app.model.display.coloring import QUANTITIES, SHADE_COUNT, color_partic
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.scene import Scene
-from cpm_app.views.items.discs import NO_POSITIONS, Discs
+from cpm_app.views.items.discs import Discs
 from cpm_app.views.items.item import PinnedText
 from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import NO_POINTS
 
 _DARK_MAP_FRACTION = 0.18
 """Fraction of the color maps that is too dark to stand out from a dark image."""
@@ -205,7 +206,7 @@ class ParticleLayer(Layer):
             )
         for discs in self._discs:
             if snapshot is None:
-                discs.show_discs(NO_POSITIONS)
+                discs.show_discs(NO_POINTS)
             else:
                 which = snapshot.resting if discs is self._resting else ~snapshot.resting
                 color = None if marks is None else marks[which]

@@ -269,15 +269,13 @@ class ClassRow(QWidget):
         self.name = QLineEdit(frame=False)
         self.color.setToolTip(tr("Color of the class"))
         menu = QMenu(self.color)
-        fill_colors(menu, self, lambda color: commands.name_class(number, self.name.text(), color), True)
+        fill_colors(menu, self, lambda color: commands.name_class(number, self.name.text(), color))
         self.color.setMenu(menu)
         self.digit.setText(str(number))
         self.digit.setCheckable(True)
-        self.digit.setToolTip(
-            tr("Set the class of the selection and of the next objects ({number}).").format(number=number)
-        )
+        self.digit.setToolTip(tr("Set the class of the selection and of the next objects ({number}).", number=number))
         self.digit.clicked.connect(partial(commands.classify_selected, number))
-        self.name.setAccessibleName(tr("Name of class {number}").format(number=number))
+        self.name.setAccessibleName(tr("Name of class {number}", number=number))
         self.name.editingFinished.connect(self._on_name_edited)
         fill_layout(QHBoxLayout(self), self.color, self.digit, self.name, spacing=4, wide=self.name)
 
@@ -418,7 +416,7 @@ class ObjectPanel(QWidget):
             *(self.table.describe_cell(row, columns[name]) for name in ("area", "length")),
         ]
         if row.item.confidence:
-            parts.append(tr("Confidence: {share}").format(share=columns["confidence"].format_cell(row, 1.0)))
+            parts.append(tr("Confidence: {share}", share=columns["confidence"].format_cell(row, 1.0)))
         return " · ".join(filter(None, parts))
 
     @property

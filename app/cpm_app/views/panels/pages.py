@@ -139,18 +139,21 @@ class PagePanel(QWidget):
         self.show_plots()
         text = tr("No page of the stack has been run yet: run this page or all pages.")
         if found is not None and found.pages:
-            text = tr("{done} of {count} pages finished; tracks: {tracks}.").format(
-                done=len(found.results), count=found.count, tracks=len(found.tracks)
+            text = tr(
+                "{done} of {count} pages finished; tracks: {tracks}.",
+                done=len(found.results),
+                count=found.count,
+                tracks=len(found.tracks),
             )
             if failed := len(found.pages) - len(found.results):
-                text += " " + tr("{failed} could not be used.").format(failed=failed)
+                text += " " + tr("{failed} could not be used.", failed=failed)
         self.summary.setText(text)
 
     def show_plots(self) -> None:
         """Plot the selected objects, or the first ones, over the pages."""
         pages, (found, rows), size = self._pages, self._pages.table, self.table.rows
         tracks = select_plotted_tracks(rows, {row.track for row in self.table.selected_rows if row.track})
-        area = tr("Area [{unit}²]").format(unit=size.unit)
+        area = tr("Area [{unit}²]", unit=size.unit)
         count, interval = (0, None) if found is None else (found.count, found.interval)
         titles = area, tr("Page") if interval is None else tr("Time [s]")
         if (tracks, titles) != self._plotted:
@@ -195,4 +198,4 @@ class PageBar(PlaceBar):
             button.setVisible(not source.has_volumes)
         self.show_keys()
         self.setVisible(count > 1)
-        self.show_position(number, 1, max(count, 1))
+        self.show_position(number, max(count, 1))

@@ -116,15 +116,13 @@ SWATCH_COLORS: tuple[tuple[str, str], ...] = (
 """Titles and colors after Okabe and Ito, with white instead of black because the canvas is dark."""
 
 
-def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None], enabled: bool) -> None:
+def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None]) -> None:
     """Fill a menu with colors; `choose` is called with ``"#rrggbb"``, or with an empty text for the default."""
     for title, color in SWATCH_COLORS:
         menu.addAction(create_swatch(color), title).triggered.connect(lambda _=False, color=color: choose(color))
     menu.addSeparator()
     menu.addAction(tr("Other color…")).triggered.connect(lambda: _ask_for_color(parent, choose))
     menu.addAction(tr("Color of its kind")).triggered.connect(lambda: choose(""))
-    for action in menu.actions():
-        action.setEnabled(enabled)
 
 
 def _ask_for_color(parent: QWidget, choose: Callable[[str], None]) -> None:

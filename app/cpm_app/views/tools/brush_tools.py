@@ -13,6 +13,7 @@ from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE, default_br
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import ShapeTool
 from cpm_core.numerics import Array, Place
+from cpm_core.numerics.types import NO_POINTS
 from cpm_core.shapes import Points
 
 _RING_GROWTH = 1.2
@@ -87,7 +88,7 @@ class SprayTool(RingTool):
     def set_up(self) -> None:
         """Initialize the state kept between events."""
         super().set_up()
-        self._points: Array = np.empty((0, 2))
+        self._points: Array = NO_POINTS
         """Points of the gesture so far [smallest side of a voxel], shape (N, 2)."""
 
     @cached_property
@@ -100,7 +101,7 @@ class SprayTool(RingTool):
         if image is None:
             return
         if len(path) == 1:
-            self._points = np.empty((0, 2))
+            self._points = NO_POINTS
         begin, end = (np.array(self.position_in_slice(place)) * sides for place in (path[0], path[-1]))
         far = math.dist(begin, end) / self.radius if len(path) > 1 else 2.0
         many = self._random.poisson(_SPRAY_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)

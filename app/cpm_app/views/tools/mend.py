@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor
 
@@ -15,7 +14,7 @@ from cpm_app.views.theme import theme
 from cpm_app.views.tools.brush_tools import RingTool
 from cpm_app.views.tools.tool import REMOVE_MODIFIER, Cursor
 from cpm_core.numerics import Place, Position
-from cpm_core.numerics.types import Line
+from cpm_core.numerics.types import NO_POINTS, Line
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.reconstruction import RedrawnCurve, pull_curve
 
@@ -180,7 +179,7 @@ class MendTool(RingTool):
 
     def draw_marks(self) -> None:
         """Draw the preview, or the place under the pointer and the ring."""
-        held, path = self._held, np.empty((0, 2))
+        held, path = self._held, NO_POINTS
         if held is not None and self.is_dragged and self.pointer is not None:
             path = self._pull_curve(held).drawn
         self._contours.set_hovered(held.index if held is not None and held.item is None else None)

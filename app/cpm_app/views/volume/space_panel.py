@@ -127,7 +127,7 @@ def space_action_specs(panel: SpacePanel, session: Session) -> Iterator[ActionSp
 
     def create_axis_action(axis: int) -> ActionSpec:
         """Create the action for a view along an axis, titled by anatomy where the orientation is known."""
-        plain = tr("Along the &{axis}").format(axis=AXIS_NAMES[axis])
+        plain = tr("Along the &{axis}", axis=AXIS_NAMES[axis])
 
         def format_title(_: Situation) -> str:
             image = session.scene.image
@@ -136,8 +136,8 @@ def space_action_specs(panel: SpacePanel, session: Session) -> Iterator[ActionSp
             return _PATIENT_VIEWS[axis_ends(image)[axis][1]]
 
         return ActionSpec(f"space_along_{axis}", _SPACE_MENU, plain,
-                          tr("Look along this axis: {axis} ({key} in the view).")
-                          .format(axis=AXIS_NAMES[axis], key=axis + 1), partial(panel.view.look_along, axis),
+                          tr("Look along this axis: {axis} ({key} in the view).", axis=AXIS_NAMES[axis], key=axis + 1),
+                          partial(panel.view.look_along, axis),
                           visible_when=has_volume, text_for=format_title)  # fmt: skip
 
     def create_part_action(name: str) -> ActionSpec:

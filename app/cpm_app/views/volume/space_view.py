@@ -169,11 +169,6 @@ class SpaceView(QWidget):
         self.camera = camera
         self._draw_coarsely()
 
-    def close_thread(self) -> None:
-        """End the drawing thread."""
-        self._still.stop()
-        self._painter.close()
-
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """Return the menu of the view; see `MenuOwner`."""
         return "" if self._view is None else "space", point or self.rect().center()

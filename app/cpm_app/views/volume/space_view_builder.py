@@ -27,6 +27,7 @@ from cpm_app.views.layers.skeleton import split_skeleton_by_thickness
 from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, get_canvas_style
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeTruth
+from cpm_core.numerics.polyline import pair_neighbors
 from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Measure, Shape, relative_sides
@@ -167,7 +168,7 @@ def _build_wires(
     if skeleton is not None:
         bands = [_to_rgb(color) for color in theme.THICKNESS_COLORS]
         for band, piece in split_skeleton_by_thickness(skeleton, len(bands)):
-            ends.append(np.stack([piece[:-1], piece[1:]], axis=1))
+            ends.append(pair_neighbors(piece))
             colors.append(np.tile(bands[band], (len(piece) - 1, 1)))
     return Wires(np.concatenate(ends), np.concatenate(colors).astype(np.uint8)) if any(map(len, ends)) else None
 

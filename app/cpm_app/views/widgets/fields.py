@@ -262,13 +262,13 @@ class PlaceBar(QFrame):
         self.number.valueChanged.connect(self.moved)
         self.hide()
 
-    def show_position(self, place: int, first: int, last: int) -> None:
-        """Show the selected number and its range."""
+    def show_position(self, place: int, last: int) -> None:
+        """Show the selected number, from 1 to the last."""
         for field in (self.slider, self.number):
             with QSignalBlocker(field):
-                field.setRange(first, last)
+                field.setRange(1, last)
                 field.setValue(place)
-        self.slider.setPageStep(min(max((last - first) // 10, 1), PLACE_JUMP))  # the wheel moves no further than this
+        self.slider.setPageStep(min(max((last - 1) // 10, 1), PLACE_JUMP))  # the wheel moves no further than this
         self.total_label.setText(tr("of {last}", last=last))
 
 

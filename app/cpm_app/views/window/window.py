@@ -215,7 +215,7 @@ class MainWindow(QMainWindow):
         self.preferences.store_key(_LAYOUT_KEY, self.docks.save_layout())
         self.turns.stop()
         self.hide()
-        self.workspace.close()
+        self.session.close()
         self._garbage.stop()
         super().closeEvent(event)
 

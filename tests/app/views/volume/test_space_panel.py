@@ -63,7 +63,7 @@ def panel(qtbot: QtBot, workspace: Workspace) -> Iterator[SpacePanel]:
     made.show_contents(contents(mesh=SurfaceMesh(CUBE)))
     settle(qtbot, made)
     yield made
-    made.view.close_thread()
+    settle(qtbot, made)
     for part in (made, made.view):
         part.close()
         part.deleteLater()

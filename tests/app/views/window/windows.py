@@ -82,7 +82,7 @@ def close_window(window: MainWindow) -> None:
 
 def close_workspace(workspace: Workspace) -> None:
     """Stop a session, and let it go: its signals keep the window and the layers alive."""
-    workspace.close()
+    workspace.session.close()
     workspace.session.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 

@@ -1,5 +1,6 @@
 """From one start to all boundaries that cannot be moved apart from the one it finds, and to no others."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -80,7 +81,8 @@ def test_a_region_that_particles_cannot_enter_encloses_nothing():
     closed = np.zeros(gray.shape, bool)
     closed[:, 22, 31] = True
     for shut, expected in ((None, True), (cpm.VolumeRegions(barriers=[closed]), False)):
-        field = build_volume_field(gray, (1.0, 1.0, 1.0), 0.7, 0.1, walls=shut and shut.build_walls(gray.shape))
+        field = build_volume_field(gray, (1.0, 1.0, 1.0), 0.7, 0.1)
+        field = replace(field, walls=shut and shut.build_walls(gray.shape))
         wall = np.linalg.norm(field.ridges.place - M, axis=1) > 8.0
         reached = np.zeros(field.ridges.component.max() + 1, bool)
         reached[field.ridges.component[wall]] = True
