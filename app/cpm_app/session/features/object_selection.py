@@ -480,7 +480,7 @@ class ObjectSelection(QObject):
         remark = translate_core_text(proposals[0].selection.remark) if clicks and proposals else ""
         remark = remark or describe_no_effect(before, proposals)
         if remark and remark != self._remark:  # once
-            self._session.messages.show(remark)
+            self._session.messages.show(remark, category=EDITING_CATEGORY)
         self._remark = remark
         if candidate is not None and request.candidate_step is not None:
             self._on_candidate(request.candidate_step, *candidate)
@@ -530,10 +530,11 @@ class ObjectSelection(QObject):
         if asked != before:
             return
         if not clicks:
-            self._session.messages.show(tr("Click an object, or select one, to make it smaller or larger."))
+            unclear = tr("Click an object, or select one, to make it smaller or larger.")
+            self._session.messages.show(unclear, category=EDITING_CATEGORY)
         elif clicks == before:
             none = tr("There is no larger candidate.") if by > 0 else tr("There is no smaller candidate.")
-            self._session.messages.show(none)
+            self._session.messages.show(none, category=EDITING_CATEGORY)
         else:
             self._set_clicks(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
             ranked = tr("Candidate {number} of {count}.", number=number, count=count)

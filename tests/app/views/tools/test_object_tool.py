@@ -440,6 +440,15 @@ def test_a_click_that_changes_nothing_leaves_the_confidence_and_says_so(window, 
     assert "changes nothing" in window.canvas_area.messages.text
 
 
+@pytest.mark.parametrize("key", [KEY.Key_Return, KEY.Key_Escape, KEY.Key_Backspace])
+def test_what_is_said_about_a_click_goes_with_the_next_edit(window, hand, objects, key) -> None:
+    click(hand, 18, 18)
+    click(hand, 20, 20)
+    assert "changes nothing" in window.canvas_area.messages.text
+    hand.key(key)
+    assert window.canvas_area.messages.text == ""
+
+
 def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window, hand, layer) -> None:
     run_everywhere(hand)
     assert "2 objects found. Enter accepts all" in window.canvas_area.hint.text()
