@@ -513,13 +513,14 @@ class ObjectSelection(QObject):
         self._show_awaited_clicks()
 
     def _show_awaited_clicks(self) -> None:
-        """Mark the clicks whose answer is not shown yet."""
+        """Mark the clicks whose answer, or whose next candidate, is not shown yet."""
         known = self._answered.clicks if self._answered is not None else ()
         clicks = () if self.answered else self._session.document.objects.clicks
         new = (each for each in clicks if each not in known)
+        stepped = self._stepped_clicks[0][-1:] if self._steps else ()
         later = (each.click for each in self._waiting if each.click is not None)
         before = self._session.scene.objects.awaited
-        self._update_shown_objects(awaited=(*new, *later))
+        self._update_shown_objects(awaited=(*new, *stepped, *later))
         if self._session.scene.objects.awaited != before:
             self.changed.emit()
 

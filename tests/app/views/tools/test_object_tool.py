@@ -222,6 +222,26 @@ def test_a_click_is_marked_as_being_worked_on_at_once_and_until_its_answer_is_sh
     assert objects.selecting
 
 
+@pytest.mark.parametrize("accepted", [False, True])
+def test_the_place_of_an_object_is_marked_while_its_next_candidate_is_sought(
+    window, hand, objects, layer, monkeypatch, accepted
+) -> None:
+    click(hand, 18, 18)
+    if accepted:
+        take(hand)
+        hand.wait(lambda: objects.idle)
+    answer, find = threading.Event(), Partition.find_candidates
+    monkeypatch.setattr(
+        Partition, "find_candidates", lambda *given, **more: (answer.wait(60), find(*given, **more))[1]
+    )
+    hand.key(KEY.Key_BracketRight)
+    assert layer.awaited.isVisible(), "when the key has been handled, without another turn"
+    assert np.transpose(layer.awaited.getData()) == pytest.approx(np.array([[18.0, 18.0]]), abs=0.5)
+    answer.set()
+    hand.wait(lambda: objects.idle and objects.answered)
+    assert not layer.awaited.isVisible()
+
+
 def test_what_waits_for_an_answer_that_does_not_come_is_given_up(window, hand, objects, monkeypatch) -> None:
     def fail(*given, **more):
         raise ValueError("no answer")
