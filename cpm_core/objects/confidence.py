@@ -34,6 +34,10 @@ LARGE_VOLUME = 1000.0
 FAINT = 0.005
 """Strength and variation below which a smaller one makes little difference."""
 
+_MAX_POINT_COUNT = 4
+"""Number of points above which more make no difference: as many as the weights were learned from, and a stroke has many
+that are not as many clicks."""
+
 _FEW_SIBLINGS = 0.5
 """Weight of siblings from which more of them make little difference."""
 
@@ -146,7 +150,8 @@ class ChoiceFeatures(NamedTuple):
 def encode_features(features: ConfidenceFeatures) -> Array:
     """Encode the features as inputs of the logistic regression, shape (7,)."""
     shares = scipy.special.logit(np.clip(features[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
-    return np.array([*shares, np.log(max(features.point_count, 1)), features.point_count == 0, features.unambiguous])
+    points = np.log(np.clip(features.point_count, 1, _MAX_POINT_COUNT))
+    return np.array([*shares, points, features.point_count == 0, features.unambiguous])
 
 
 def estimate_confidence(features: ConfidenceFeatures) -> float:
