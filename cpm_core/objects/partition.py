@@ -78,6 +78,12 @@ _NEIGHBOR_REACH = 1.0
 _MIN_PART_AREA = 5
 """Least area of a part of an object that limits have cut off from the rest [px²]."""
 
+_MIDDLE_DEPTH = 0.5
+"""Depth of a negative point in a part of an object from which it means the whole part, in depths of its middle.
+
+Of 110 corrections that a robot made with the outline in mind, 3 were as deep in a part without a positive point.
+"""
+
 _MIN_DRAWN_SHARE = 0.1
 """Least share of what has been drawn that lies in a body that the prompt means."""
 
@@ -262,7 +268,8 @@ class Partition(drawing.Pictured):
             Two opposite corners of a box around the object; its sides may be a few pixels off.
         previous : Selection, optional
             The selection before the last points were added. A new positive point only adds to it, and a negative one
-            only removes. Points that change none of its pixels leave it as it is, with its confidence.
+            only removes; in the middle of a part between necks, it removes the whole part, also where earlier points
+            were positive. Points that change none of its pixels leave it as it is, with its confidence.
         excluded : ndarray of bool, shape (H, W), optional
             Pixels that are not selected, such as those of other objects.
 
@@ -350,9 +357,14 @@ class Partition(drawing.Pictured):
             fixed = prompt.negative, prompt.positive
             changed = (self._closed_regions.correct_mask(mask, place, adds, fixed[not adds]) for place, adds in wrong)
             better = next((one for one in changed if one is not None), None)
-            if better is None:
+            if better is not None:
+                mask, corrected = better, True
+                continue
+            part = _find_part_meant(mask, prompt, request.previous)
+            if part is None:
                 return self._correct_by_network(replace(prompt, previous_mask=mask), mask, request.free)
-            mask, corrected = better, True
+            mask, corrected = mask & ~part, False
+            prompt = replace(prompt, positive=prompt.positive[~part[tuple(prompt.positive.T)]])
 
     def _correct_by_network(self, prompt: Prompt, mask: Mask, free: Mask) -> Candidate:
         """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove."""
@@ -710,6 +722,32 @@ def _cut_body_at_necks(mask: Mask, pixels: Index) -> Mask:
     body = np.zeros_like(mask)
     body[box] = held[parts]
     return body
+
+
+def _find_part_meant(mask: Mask, prompt: Prompt, previous: Selection | None) -> Mask | None:
+    """Find the part of an object, shape (H, W), between its necks that a negative point in its middle means as a whole.
+
+    None if it is all of the object, or holds positive points that are not among those of the selection before.
+    """
+    surplus = prompt.negative[mask[tuple(prompt.negative.T)]]
+    if not len(surplus):
+        return None
+    box, corner = _padded_box(mask)
+    parts = split_at_necks(mask[box])
+    known = prompt.positive[:0] if previous is None else np.rint(previous.inside).astype(np.int64)
+    for pixel in surplus - corner:
+        part = parts == parts[tuple(pixel)]
+        depth = scipy.ndimage.distance_transform_edt(np.pad(part, 1, mode="edge"))[1:-1, 1:-1]
+        within = np.zeros_like(mask)
+        within[box] = part
+        held = within[tuple(prompt.positive.T)]
+        if (
+            depth[tuple(pixel)] >= _MIDDLE_DEPTH * depth.max()
+            and not held.all()
+            and _is_among(prompt.positive[held], known).all()
+        ):
+            return within
+    return None
 
 
 def _is_among(places: Array, others: Array) -> Mask:

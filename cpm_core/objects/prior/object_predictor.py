@@ -243,7 +243,7 @@ class ObjectPredictor:
     def _predict_by_score(
         self, prompt: Prompt, known_area: float | None, cut: list[Prediction]
     ) -> Iterator[Prediction]:
-        """Predict different objects that a prompt may mean, those of the best score first; add those `cut` to a list."""
+        """Predict different objects that a prompt may mean, those of the best score first; those cut go to a list."""
         answers = [self._predict_crop(window, prompt, None) for window in self._propose_crops(prompt)]
         answers.sort(key=lambda answer: -answer.compute_score(known_area, prompt.drawn_area))
         distinct: list[CropPrediction] = []

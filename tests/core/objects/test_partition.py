@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from cpm_core import Image, Partition, Regions, circle, example, partition, segment, select_all, uniform_grid
 from cpm_core.image.region import Region
+from cpm_core.objects.boundaries.necks import split_at_necks
 
 from ..scenes import antialiased, disk, ring
 
@@ -144,6 +145,40 @@ def test_of_two_disks_that_touch_one_is_parted_at_the_neck_by_a_click_in_the_oth
     assert not chosen.mask[30, 68]
     assert sum(np.linalg.norm(np.diff(gap, axis=0), axis=1).sum() for gap in chosen.gaps) < 25.0
     assert 0.5 < chosen.confidence < 1.0
+
+
+@pytest.fixture(scope="module")
+def joined():
+    """An image of two disks that touch, in which nothing but necks decides, and both selected by a point in each."""
+    bare = Partition(Image(antialiased((128, 128), two_disks)), (), uses_network=False)
+    both = within(30.0, 40.0, 15.0) | within(30.0, 66.0, 13.0)
+    return bare, bare.build_selection(both, np.array([(30.0, 38.0), (30.0, 68.0)]))
+
+
+@pytest.mark.parametrize("inside", [[(30, 38)], [(30, 38), (30, 68)]])
+def test_a_negative_point_in_the_middle_of_a_part_takes_away_all_of_it(joined, inside):
+    bare, both = joined
+    left = bare.select(inside, [(31, 70)], previous=both)
+    assert overlap(left.mask, within(30.0, 40.0, 15.0)) > 0.96
+    again = bare.select([*inside, (30, 36)], [(31, 70)], previous=left)
+    np.testing.assert_array_equal(again.mask, left.mask)
+
+
+def test_a_negative_point_that_is_not_in_the_middle_or_beside_a_newer_positive_one_takes_away_no_part(joined):
+    bare, both = joined
+    for inside, outside in ([(30, 38)], (31, 75)), ([(30, 38), (36, 72)], (31, 70)), ([(30, 70), (30, 38)], (30, 54)):
+        left = bare.select(inside, [outside], previous=both)
+        assert np.count_nonzero(both.mask & ~left.mask) == 1
+
+
+@pytest.mark.parametrize("size", [1, 9])
+def test_necks_are_where_they_are_in_images_of_any_size(size):
+    row, col = np.indices((96 * size, 128 * size)) / size
+    one, other = (np.hypot(row - 48, col - at) <= 20 for at in (45, 81))
+    parts = split_at_necks(one | other)
+    assert parts.max() == 2
+    assert ((parts > 0) == (one | other)).all()
+    assert overlap(parts == parts[48 * size, 45 * size], one & (col <= 63)) > 0.98
 
 
 def test_a_gap_in_a_drawn_outline_is_closed_straight_and_told():
