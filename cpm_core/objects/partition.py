@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.edge_map import edge_map
-from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
+from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, close_line, drawn_area, is_closed_line, is_line
 from cpm_core.field.start_area.start_area import object_enclosed_by
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_plane
@@ -105,6 +105,8 @@ class _Request:
     ----------
     inside, outside : ndarray, shape (M, 2) and (K, 2)
         Positive and negative points [px].
+    start : ndarray, shape (N, 2)
+        The positive points, as a closed line if they are one whose ends nearly meet [px].
     free : ndarray of bool, shape (H, W)
         Pixels that may be selected.
     previous : Selection or None
@@ -121,6 +123,7 @@ class _Request:
 
     inside: Array
     outside: Array
+    start: Array
     free: Mask
     previous: Selection | None
     has_only_positive: bool
@@ -261,9 +264,9 @@ class Partition(drawing.Pictured):
         ----------
         inside, outside : array_like, shape (M, 2) and (K, 2)
             Positive and negative points (row, col) [px]. A point outside the image is moved to the nearest pixel. The
-            first positive points may be a closed line in the object, or around it, such as the seeds of a circle.
+            first positive points may be a line in the object, or around it if its ends nearly meet, as of a circle.
         stroke : array_like, shape (N, 2)
-            A scribble: a line that lies in the object.
+            A scribble: a line that lies in the object, or one around it whose ends nearly meet.
         box : array_like, shape (2, 2)
             Two opposite corners of a box around the object; its sides may be a few pixels off.
         previous : Selection, optional
@@ -330,10 +333,10 @@ class Partition(drawing.Pictured):
         """Return what an unambiguous contour encloses around positive points alone, or what is drawn around."""
         if not request.has_only_positive:
             return None
-        mask = self._closed_regions.find_object_around(request.inside)
+        mask = self._closed_regions.find_object_around(request.start)
         unambiguous = mask is not None
         if mask is None:  # perhaps the points are drawn around an object
-            mask = object_enclosed_by(self.values, request.inside, ~self.interest)
+            mask = object_enclosed_by(self.values, request.start, ~self.interest)
         if mask is None:
             return None
         if (mask & ~request.free).any():
@@ -411,6 +414,8 @@ class Partition(drawing.Pictured):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         if previous is not None and not isinstance(previous, Selection):
             raise ValueError(f"previous is {quote_value(previous)} but must be a selection.")
+        if is_closed_line(line):  # around the object, not in it
+            within, line = np.concatenate([close_line(line, self.shape), within]), NO_POINTS
         free = self.interest
         if excluded is not None:
             if excluded.shape != self.shape:
@@ -421,7 +426,8 @@ class Partition(drawing.Pictured):
         meant = within if previous is None else _replace_surrounding_points(within, previous)
         newer = None if previous is None else ~_is_among(meant, previous.inside)
         places, remark = self._resolve_points(meant, beyond, free, newer)
-        lasso = meant if len(meant) >= MIN_DRAWN_PLACES else NO_POINTS
+        start = close_line(meant, self.shape)
+        lasso = start if len(start) >= MIN_DRAWN_PLACES else NO_POINTS
         prompt = self._add_drawn_prompts(places, lasso, line, corners, free)
         mask = previous.mask if previous is not None and previous.has_boundary else None
         has_only_points = mask is None and not len(line) and not len(corners)
@@ -431,14 +437,14 @@ class Partition(drawing.Pictured):
         if mask is not None:
             correction = replace(self._add_drawn_prompts(places, NO_POINTS, line, corners, free), previous_mask=mask)
         has_only_positive = has_only_points and not len(beyond)
-        return _Request(within, beyond, free, previous, has_only_positive, prompt, correction, remark)
+        return _Request(within, beyond, start, free, previous, has_only_positive, prompt, correction, remark)
 
     def _add_drawn_prompts(self, places: Prompt, start: Array, line: Array, corners: Array, free: Mask) -> Prompt:
         """Add to a prompt a start, which replaces its positive points, a scribble and the corners of a box."""
         prompt = places
         if len(start):
             area = drawn_area(start, self.shape)
-            if np.count_nonzero(area) > 2 * len(start):  # a closed line; an open one counts as points
+            if not is_line(area):  # which counts as points
                 prompt = replace(prompt, drawn_area=area, positive=prompt.positive[:0])
         if len(line):
             along, _ = self._resolve_points(polyline.sample_path(line, 1.0) if len(line) > 1 else line, NO_POINTS, free)
@@ -750,7 +756,7 @@ def _find_part_meant(mask: Mask, prompt: Prompt, previous: Selection | None) -> 
     return None
 
 
-def _is_among(places: Array, others: Array) -> Mask:
+def _is_among(places: Array | Index, others: Array | Index) -> Mask:
     """Return which points, shape (N, 2), are among others, shape (N,)."""
     return (places[:, None] == others[None]).all(axis=2).any(axis=1)
 

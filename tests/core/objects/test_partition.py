@@ -9,7 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Image, Partition, Regions, circle, example, partition, segment, select_all, uniform_grid
+from cpm_core.field.start_area.drawn_area import drawn_area, is_line
 from cpm_core.image.region import Region
+from cpm_core.numerics import polyline
 from cpm_core.objects.boundaries.necks import split_at_necks
 
 from ..scenes import antialiased, disk, ring
@@ -248,6 +250,30 @@ def test_where_nothing_is_found_the_places_alone_are_chosen_and_that_is_told():
 def test_a_stroke_and_a_box_choose_the_object_of_a_click(disk_scene, disk_partition):
     for drawn in ({"stroke": [(40, 40), (52, 52)]}, {"box": [(21, 24), (73, 70)]}):
         assert overlap(disk_partition.select(**drawn).mask, truth_of(disk_scene)) > 0.9
+
+
+@pytest.mark.parametrize("given", ["inside", "stroke"])
+@pytest.mark.parametrize(("opening", "step"), [(0.0, 1.5), (0.8, 1.5), (0.4, 9.0)])
+def test_a_line_around_an_object_whose_ends_nearly_meet_is_a_lasso(disk_scene, given, opening, step):
+    turns = np.arange(0.3, 2.0 * np.pi + 0.3 - opening, step / 30.0)
+    line = (47.0, 47.0) + 30.0 * np.column_stack([np.sin(turns), np.cos(turns)])
+    bare = Partition(Image(disk_scene.values), (), uses_network=False)
+    assert overlap(bare.select(**{given: line}).mask, truth_of(disk_scene)) > 0.95
+
+
+@pytest.mark.parametrize("line", [[(20, 47), (74, 47)], [(47, 20), (20, 47), (47, 74)]])
+def test_an_open_line_is_no_lasso(disk_scene, line):
+    path = polyline.resample_path(np.array(line, float), 2.0)
+    bare = Partition(Image(disk_scene.values), (), uses_network=False)
+    assert bare.select(path).has_only_points
+
+
+@pytest.mark.parametrize("step", [1.0, 2.0, 3.16, 4.1, 7.0])
+@pytest.mark.parametrize("turn", [0.0, 0.02, 0.4, 0.8])
+def test_what_an_open_line_covers_is_a_line_however_far_its_places_are_apart(step, turn):
+    line = (48.0, 5.0) + np.arange(12)[:, None] * step * np.array([np.sin(turn), np.cos(turn)])
+    assert is_line(drawn_area(line, SHAPE))
+    assert not is_line(drawn_area(circle((48, 48), 4.0, spacing=min(step, 3.0)), SHAPE))
 
 
 @pytest.fixture(scope="module")

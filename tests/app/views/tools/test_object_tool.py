@@ -231,9 +231,7 @@ def test_the_place_of_an_object_is_marked_while_its_next_candidate_is_sought(
         take(hand)
         hand.wait(lambda: objects.idle)
     answer, find = threading.Event(), Partition.find_candidates
-    monkeypatch.setattr(
-        Partition, "find_candidates", lambda *given, **more: (answer.wait(60), find(*given, **more))[1]
-    )
+    monkeypatch.setattr(Partition, "find_candidates", lambda *given, **more: (answer.wait(60), find(*given, **more))[1])
     hand.key(KEY.Key_BracketRight)
     assert layer.awaited.isVisible(), "when the key has been handled, without another turn"
     assert np.transpose(layer.awaited.getData()) == pytest.approx(np.array([[18.0, 18.0]]), abs=0.5)
@@ -351,6 +349,16 @@ def test_a_stroke_says_the_same_of_all_that_it_crosses_and_is_one_step_of_undo(w
     assert offered(objects)[43, 42]
     hand.key(KEY.Key_Z, CONTROL)
     assert not objects.selecting
+
+
+def test_a_stroke_around_an_object_whose_ends_nearly_meet_selects_it(window, hand, objects) -> None:
+    turns = np.linspace(0.4, 2.0 * np.pi, 30)
+    hand.drag(*((18.0 + 13.0 * np.sin(turn), 18.0 + 13.0 * np.cos(turn)) for turn in turns))
+    hand.wait(lambda: bool(objects.proposals))
+    assert overlap(offered(objects), disk(*SMALL)) > 0.9
+    click(hand, 43, 42)  # the next click adds to it
+    assert offered(objects)[18, 18]
+    assert offered(objects)[43, 42]
 
 
 def test_escape_drops_the_proposal_and_backspace_takes_a_click_back(window, hand, objects, layer) -> None:
