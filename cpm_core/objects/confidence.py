@@ -202,7 +202,7 @@ def encode_choice(features: ChoiceFeatures) -> Array:
 
 def score_choice(features: ChoiceFeatures) -> float:
     """Score how likely it is that a click means a body, to compare those around it [log odds but for a constant]."""
-    return float(np.array(_load_weights("confidence_bodies.json", "choice")) @ encode_choice(features))
+    return float(np.array(load_weights("confidence_bodies.json", "choice")) @ encode_choice(features))
 
 
 def encode_siblings(confidence: float, agreement: float, amount: float, weakness: float) -> Array:
@@ -229,12 +229,12 @@ def estimate_among_siblings(confidence: float, agreement: float, amount: float, 
 
 def _estimate_probability(name: str, encoded: Array, rule: str = "numbers") -> float:
     """Estimate a probability from encoded features by a rule of a file of this folder."""
-    *weights, offset = _load_weights(name, rule)
+    *weights, offset = load_weights(name, rule)
     return min(float(scipy.special.expit(np.array(weights) @ encoded + offset)), _MAX_CONFIDENCE)
 
 
 @cache
-def _load_weights(name: str, rule: str) -> tuple[float, ...]:
+def load_weights(name: str, rule: str) -> tuple[float, ...]:
     """Load the weights of a rule, last its offset if it estimates a probability, from a file of this folder."""
     stored = json.loads(files("cpm_core.objects").joinpath(name).read_text("utf-8"))
     return tuple(stored[rule])
