@@ -186,14 +186,19 @@ def _in_order(results: Iterable[tuple[int, Any]]) -> Iterator[Any]:
 
 
 def write_table_parts(path: Path, draft: Path, parts: Iterable[Mapping[str, Array]]) -> None:
-    """Write a table whose parts have the same columns to a draft, in the format of the suffix of its path."""
+    """Write a table whose parts have the same columns to a draft, in the format of the suffix of its path.
+
+    A number that is not known, NaN, is an empty cell.
+    """
     import pyarrow
     from pyarrow import csv, parquet
 
     make = parquet.ParquetWriter if path.suffix.lower() == ".parquet" else csv.CSVWriter
     with ExitStack() as stack:
         writer = None
-        for table in map(pyarrow.table, parts):
+        for part in parts:
+            cells = {name: pyarrow.array(column, from_pandas=True) for name, column in part.items()}
+            table = pyarrow.table(cells)
             writer = writer or stack.enter_context(make(str(draft), table.schema))
             writer.write_table(table)
 

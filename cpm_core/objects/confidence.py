@@ -34,6 +34,10 @@ LARGE_VOLUME = 1000.0
 FAINT = 0.005
 """Strength and variation below which a smaller one makes little difference."""
 
+_MAX_POINT_COUNT = 4
+"""Number of points above which more make no difference: as many as the weights were learned from, and a stroke has many
+that are not as many clicks."""
+
 _FEW_SIBLINGS = 0.5
 """Weight of siblings from which more of them make little difference."""
 
@@ -146,7 +150,8 @@ class ChoiceFeatures(NamedTuple):
 def encode_features(features: ConfidenceFeatures) -> Array:
     """Encode the features as inputs of the logistic regression, shape (7,)."""
     shares = scipy.special.logit(np.clip(features[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
-    return np.array([*shares, np.log(max(features.point_count, 1)), features.point_count == 0, features.unambiguous])
+    points = np.log(np.clip(features.point_count, 1, _MAX_POINT_COUNT))
+    return np.array([*shares, points, features.point_count == 0, features.unambiguous])
 
 
 def estimate_confidence(features: ConfidenceFeatures) -> float:
@@ -197,7 +202,7 @@ def encode_choice(features: ChoiceFeatures) -> Array:
 
 def score_choice(features: ChoiceFeatures) -> float:
     """Score how likely it is that a click means a body, to compare those around it [log odds but for a constant]."""
-    return float(np.array(_load_weights("confidence_bodies.json", "choice")) @ encode_choice(features))
+    return float(np.array(load_weights("confidence_bodies.json", "choice")) @ encode_choice(features))
 
 
 def encode_siblings(confidence: float, agreement: float, amount: float, weakness: float) -> Array:
@@ -224,12 +229,12 @@ def estimate_among_siblings(confidence: float, agreement: float, amount: float, 
 
 def _estimate_probability(name: str, encoded: Array, rule: str = "numbers") -> float:
     """Estimate a probability from encoded features by a rule of a file of this folder."""
-    *weights, offset = _load_weights(name, rule)
+    *weights, offset = load_weights(name, rule)
     return min(float(scipy.special.expit(np.array(weights) @ encoded + offset)), _MAX_CONFIDENCE)
 
 
 @cache
-def _load_weights(name: str, rule: str) -> tuple[float, ...]:
+def load_weights(name: str, rule: str) -> tuple[float, ...]:
     """Load the weights of a rule, last its offset if it estimates a probability, from a file of this folder."""
     stored = json.loads(files("cpm_core.objects").joinpath(name).read_text("utf-8"))
     return tuple(stored[rule])

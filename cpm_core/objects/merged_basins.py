@@ -7,10 +7,7 @@ one from which the other is parted least, so that what merges depends on what is
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
-from functools import cache
-from importlib.resources import files
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +16,7 @@ import skimage
 
 from cpm_core.numerics.grids import Window, flood_from_markers, label_parts
 from cpm_core.numerics.types import Array, Index, Mask, Numbers, record
-from cpm_core.objects.confidence import FAINT, LARGE_AREA
+from cpm_core.objects.confidence import FAINT, LARGE_AREA, load_weights
 
 _MIN_BASIN_DEPTH = 0.5
 """Least depth of a basin, in medians of the edge strength."""
@@ -164,7 +161,7 @@ class MergedBasins:
 
         None is much less likely than what it merges to, or than what was merged to it.
         """
-        *weights, offset = _load_weights()
+        *weights, offset = load_weights("merged_basins.json", "numbers")
         features = self.encode_nodes(values, gray_span)
         likely = self.find_likely(features @ np.array(weights) + offset)
         likely = likely[features[likely, _BORDER_SHARE] <= _MAX_BORDER_SHARE]
@@ -231,10 +228,3 @@ class MergedBasins:
         low[1 : len(found) + 1] = [[side.start for side in box] for box in found]
         high[1 : len(found) + 1] = [[side.stop for side in box] for box in found]
         return np.stack([self.accumulate(low, np.minimum), self.accumulate(high, np.maximum)], axis=2)
-
-
-@cache
-def _load_weights() -> tuple[float, ...]:
-    """Load the weights of the rule for nodes, and last its offset."""
-    stored = json.loads(files("cpm_core.objects").joinpath("merged_basins.json").read_text("utf-8"))
-    return tuple(stored["numbers"])

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.edge_map import edge_map
-from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
+from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, close_line, drawn_area, is_closed_line, is_line
 from cpm_core.field.start_area.start_area import object_enclosed_by
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_plane
@@ -75,6 +75,12 @@ _NEIGHBOR_REACH = 1.0
 _MIN_PART_AREA = 5
 """Least area of a part of an object that limits have cut off from the rest [px²]."""
 
+_MIDDLE_DEPTH = 0.5
+"""Depth of a negative point in a part of an object from which it means the whole part, in depths of its middle.
+
+Of 110 corrections that a robot made with the outline in mind, 3 were as deep in a part without a positive point.
+"""
+
 _MIN_DRAWN_SHARE = 0.1
 """Least share of what has been drawn that lies in a body that the prompt means."""
 
@@ -96,6 +102,8 @@ class _Request:
     ----------
     inside, outside : ndarray, shape (M, 2) and (K, 2)
         Positive and negative points [px].
+    start : ndarray, shape (N, 2)
+        The positive points, as a closed line if they are one whose ends nearly meet [px].
     free : ndarray of bool, shape (H, W)
         Pixels that may be selected.
     previous : Selection or None
@@ -112,6 +120,7 @@ class _Request:
 
     inside: Array
     outside: Array
+    start: Array
     free: Mask
     previous: Selection | None
     has_only_positive: bool
@@ -252,14 +261,15 @@ class Partition(drawing.Pictured):
         ----------
         inside, outside : array_like, shape (M, 2) and (K, 2)
             Positive and negative points (row, col) [px]. A point outside the image is moved to the nearest pixel. The
-            first positive points may be a closed line in the object, or around it, such as the seeds of a circle.
+            first positive points may be a line in the object, or around it if its ends nearly meet, as of a circle.
         stroke : array_like, shape (N, 2)
-            A scribble: a line that lies in the object.
+            A scribble: a line that lies in the object, or one around it whose ends nearly meet.
         box : array_like, shape (2, 2)
             Two opposite corners of a box around the object; its sides may be a few pixels off.
         previous : Selection, optional
             The selection before the last points were added. A new positive point only adds to it, and a negative one
-            only removes. Points that change none of its pixels leave it as it is, with its confidence.
+            only removes; in the middle of a part between necks, it removes the whole part, also where earlier points
+            were positive. Points that change none of its pixels leave it as it is, with its confidence.
         excluded : ndarray of bool, shape (H, W), optional
             Pixels that are not selected, such as those of other objects.
 
@@ -320,10 +330,10 @@ class Partition(drawing.Pictured):
         """Return what an unambiguous contour encloses around positive points alone, or what is drawn around."""
         if not request.has_only_positive:
             return None
-        mask = self._closed_regions.find_object_around(request.inside)
+        mask = self._closed_regions.find_object_around(request.start)
         unambiguous = mask is not None
         if mask is None:  # perhaps the points are drawn around an object
-            mask = object_enclosed_by(self.values, request.inside, ~self.interest)
+            mask = object_enclosed_by(self.values, request.start, ~self.interest)
         if mask is None:
             return None
         if (mask & ~request.free).any():
@@ -347,9 +357,14 @@ class Partition(drawing.Pictured):
             fixed = prompt.negative, prompt.positive
             changed = (self._closed_regions.correct_mask(mask, place, adds, fixed[not adds]) for place, adds in wrong)
             better = next((one for one in changed if one is not None), None)
-            if better is None:
+            if better is not None:
+                mask, corrected = better, True
+                continue
+            part = _find_part_meant(mask, prompt, request.previous)
+            if part is None:
                 return self._correct_by_network(replace(prompt, previous_mask=mask), mask, request.free)
-            mask, corrected = better, True
+            mask, corrected = mask & ~part, False
+            prompt = replace(prompt, positive=prompt.positive[~part[tuple(prompt.positive.T)]])
 
     def _correct_by_network(self, prompt: Prompt, mask: Mask, free: Mask) -> Candidate:
         """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove."""
@@ -394,6 +409,8 @@ class Partition(drawing.Pictured):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         if previous is not None and not isinstance(previous, Selection):
             raise ValueError(f"previous is {quote_value(previous)} but must be a selection.")
+        if is_closed_line(line):  # around the object, not in it
+            within, line = np.concatenate([close_line(line, self.shape), within]), NO_POINTS
         free = self.interest
         if excluded is not None:
             if excluded.shape != self.shape:
@@ -404,7 +421,8 @@ class Partition(drawing.Pictured):
         meant = within if previous is None else _replace_surrounding_points(within, previous)
         newer = None if previous is None else ~_is_among(meant, previous.inside)
         places, remark = self._resolve_points(meant, beyond, free, newer)
-        lasso = meant if len(meant) >= MIN_DRAWN_PLACES else NO_POINTS
+        start = close_line(meant, self.shape)
+        lasso = start if len(start) >= MIN_DRAWN_PLACES else NO_POINTS
         prompt = self._add_drawn_prompts(places, lasso, line, corners, free)
         mask = previous.mask if previous is not None and previous.has_boundary else None
         has_only_points = mask is None and not len(line) and not len(corners)
@@ -414,14 +432,14 @@ class Partition(drawing.Pictured):
         if mask is not None:
             correction = replace(self._add_drawn_prompts(places, NO_POINTS, line, corners, free), previous_mask=mask)
         has_only_positive = has_only_points and not len(beyond)
-        return _Request(within, beyond, free, previous, has_only_positive, prompt, correction, remark)
+        return _Request(within, beyond, start, free, previous, has_only_positive, prompt, correction, remark)
 
     def _add_drawn_prompts(self, places: Prompt, start: Array, line: Array, corners: Array, free: Mask) -> Prompt:
         """Add to a prompt a start, which replaces its positive points, a scribble and the corners of a box."""
         prompt = places
         if len(start):
             area = drawn_area(start, self.shape)
-            if np.count_nonzero(area) > 2 * len(start):  # a closed line; an open one counts as points
+            if not is_line(area):  # which counts as points
                 prompt = replace(prompt, drawn_area=area, positive=prompt.positive[:0])
         if len(line):
             along, _ = self._resolve_points(polyline.sample_path(line, 1.0) if len(line) > 1 else line, NO_POINTS, free)
@@ -707,7 +725,33 @@ def _cut_body_at_necks(mask: Mask, pixels: Index) -> Mask:
     return body
 
 
-def _is_among(places: Array, others: Array) -> Mask:
+def _find_part_meant(mask: Mask, prompt: Prompt, previous: Selection | None) -> Mask | None:
+    """Find the part of an object, shape (H, W), between its necks that a negative point in its middle means as a whole.
+
+    None if it is all of the object, or holds positive points that are not among those of the selection before.
+    """
+    surplus = prompt.negative[mask[tuple(prompt.negative.T)]]
+    if not len(surplus):
+        return None
+    box, corner = _padded_box(mask)
+    parts = split_at_necks(mask[box])
+    known = prompt.positive[:0] if previous is None else np.rint(previous.inside).astype(np.int64)
+    for pixel in surplus - corner:
+        part = parts == parts[tuple(pixel)]
+        depth = scipy.ndimage.distance_transform_edt(np.pad(part, 1, mode="edge"))[1:-1, 1:-1]
+        within = np.zeros_like(mask)
+        within[box] = part
+        held = within[tuple(prompt.positive.T)]
+        if (
+            depth[tuple(pixel)] >= _MIDDLE_DEPTH * depth.max()
+            and not held.all()
+            and _is_among(prompt.positive[held], known).all()
+        ):
+            return within
+    return None
+
+
+def _is_among(places: Array | Index, others: Array | Index) -> Mask:
     """Return which points, shape (N, 2), are among others, shape (N,)."""
     return (places[:, None] == others[None]).all(axis=2).any(axis=1)
 

@@ -114,7 +114,7 @@ class Published:
     >>> state = published.start(cpm.circle((32, 32), 8))
     >>> while not state.stop_reason:
     ...     state = published.step(state, cpm.Parameters())
-    >>> published.result(state, cpm.Parameters()).contours[0].closed
+    >>> published.result(state, cpm.Parameters()).converged
     True
     """
 

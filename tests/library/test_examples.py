@@ -1,11 +1,13 @@
-"""Every public name has an example in its documentation, and the examples give what they say."""
+"""Every public name has an example in its documentation, and all examples give what they say."""
 
 from __future__ import annotations
 
 import doctest
+import importlib
 import inspect
 import re
 from functools import cached_property
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -17,6 +19,15 @@ from cpm_core.segmentation.method import _known_run_methods
 
 OBJECTS = {name: getattr(cpm, name) for name in cpm.__all__ if hasattr(getattr(cpm, name), "__qualname__")}
 """Public functions and classes by name; the others are tables."""
+
+ROOT = Path(cpm.__file__).parent
+
+MODULES = [
+    ".".join(path.relative_to(ROOT.parent).with_suffix("").parts)
+    for path in sorted(ROOT.rglob("*.py"))
+    if ">>> " in path.read_text(encoding="utf-8")
+]
+"""Modules with examples, of public names and of others."""
 
 PARSER = doctest.DocTestParser()
 
@@ -65,11 +76,14 @@ def place(tmp_path, monkeypatch):
     pyplot.switch_backend(before)
 
 
-@pytest.mark.parametrize("name", OBJECTS)
+@pytest.mark.parametrize("name", MODULES)
 def test_the_examples_give_what_they_say(name, place):
     finder, runner = doctest.DocTestFinder(recurse=True), doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
-    report = []
-    for test in finder.find(OBJECTS[name], name, globs={"np": np, "cpm": cpm}):
+    module, report = importlib.import_module(name), []
+    for test in finder.find(module, name, globs={"np": np, "cpm": cpm}):
+        own = test.name.rsplit(".", 1)[-1]
+        if own not in OBJECTS and hasattr(module, own):
+            test.globs[own] = getattr(module, own)
         runner.run(test, out=report.append)
     assert runner.summarize(verbose=False).failed == 0, "".join(report)
 

@@ -12,6 +12,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import (
     Window,
     bounding_window,
@@ -47,6 +48,11 @@ MIN_DRAWN_PLACES = 8
 _MIN_HULL_SHARE = 0.8
 """Share of a part between a row of particles and the border of the image that lies in the hull of an enclosed one."""
 
+_MAX_OPENING = 0.15
+"""Greatest distance of the ends of a line that is closed, as a share of its length."""
+
+_MIN_ROUNDNESS = 0.1
+"""Least area that such a line encloses, in areas of a circle of its length; a scribble encloses less."""
 
 _CLICK_RADIUS = 4.0
 """Radius of the area that a click covers [px]: on an edge, it lies in part on both sides."""
@@ -72,6 +78,30 @@ def drawn_area(points: Array, shape: Extent) -> Mask:
     filled = scipy.ndimage.binary_fill_holes(near) | _enclosed_with_border(near, on[box])
     on[box] |= scipy.ndimage.distance_transform_edt(filled) > link
     return on
+
+
+def is_line(area: Mask) -> bool:
+    """Return whether what a start covers, shape (H, W), is nowhere three pixels wide: an open line, or clicks."""
+    return not scipy.ndimage.binary_erosion(area[_window_around(area, 1.0)], np.ones((3, 3), bool)).any()
+
+
+def is_closed_line(points: Array) -> bool:
+    """Return whether points, shape (N, 2) [px], are a line around an area whose ends nearly meet."""
+    if len(points) < MIN_DRAWN_PLACES:
+        return False
+    length = polyline.path_length(np.concatenate([points, points[:1]]))
+    area = 4.0 * math.pi * polyline.enclosed_area(points)
+    return math.dist(points[0], points[-1]) <= _MAX_OPENING * length and area >= _MIN_ROUNDNESS * length**2
+
+
+def close_line(points: Array, shape: Extent) -> Array:
+    """Close a line in an image of this shape whose ends nearly meet by places between them.
+
+    Others, and those that enclose an area as they are, shape (N, 2) [px], stay so.
+    """
+    if not is_closed_line(points) or not is_line(drawn_area(points, shape)):
+        return points
+    return polyline.sample_path(np.concatenate([points, points[:1]]), _MIN_LINK)
 
 
 def _window_around(mask: Mask, margin: float) -> Window:

@@ -39,6 +39,12 @@ _MAX_CORRECTION_SHARE = 0.6
 _CROP_RIM_WIDTH = 2.0
 """Width of the rim of a crop [px of the crop]."""
 
+_MIN_CUT_SHARE = 0.25
+"""Share of a side of a crop that an answer covers from which the side has cut it.
+
+None of 266 first answers to clicks in objects that people outlined covered any of its sides.
+"""
+
 
 AREA_PENALTY = 0.2
 """Overlap that counts as much as a factor of e between the area of an answer and the one that is known."""
@@ -130,6 +136,15 @@ class CropPrediction(NamedTuple):
         border = np.array(shape) - 1
         return bool(((low > 0) & (low <= first + near)).any() or ((high < border) & (high >= last - near)).any())
 
+    def is_cut(self, shape: Extent) -> bool:
+        """Return whether a side of the crop inside an image of this shape has cut the object straight."""
+        inside = self.probability > INSIDE_PROBABILITY
+        for axis, (line, count) in enumerate(zip(self.crop.axis_positions, shape, strict=True)):
+            shares = inside.take([0, -1], axis).mean(axis=1 - axis)
+            if (shares[[line[0] > 0.0, line[-1] < count - 1.0]] >= _MIN_CUT_SHARE).any():
+                return True
+        return False
+
     def compute_score(self, known_area: float | None, drawn: Mask | None) -> float:
         """Compute the rank of the answer among those of other crops.
 
@@ -215,16 +230,20 @@ class ObjectPredictor:
     gray_range: tuple[float, ...] = ()
 
     def predict_objects(self, prompt: Prompt, known_area: float | None = None) -> Iterator[Prediction]:
-        """Predict the objects that a prompt may mean, as `Predictor.predict_objects`."""
+        """Predict the objects that a prompt may mean, as `Predictor.predict_objects`; last those cut by their crop."""
         if prompt.previous_mask is not None and prompt.previous_mask.any():
             answer = self._predict_crop(_crop_around(true_bounds(prompt.previous_mask), prompt), prompt, None)
-            found = self._refine_prediction(answer, prompt, 1.0, _MIN_CROP_REFINEMENTS)
+            found, _ = self._refine_prediction(answer, prompt, 1.0, _MIN_CROP_REFINEMENTS)
             yield self._refine_corrections(found, prompt, prompt.previous_mask)
             return
-        yield from put_surroundings_last(self._predict_by_score(prompt, known_area), prompt)
+        cut: list[Prediction] = []
+        yield from put_surroundings_last(self._predict_by_score(prompt, known_area, cut), prompt)
+        yield from cut
 
-    def _predict_by_score(self, prompt: Prompt, known_area: float | None) -> Iterator[Prediction]:
-        """Predict different objects that a prompt may mean, those of the best score first."""
+    def _predict_by_score(
+        self, prompt: Prompt, known_area: float | None, cut: list[Prediction]
+    ) -> Iterator[Prediction]:
+        """Predict different objects that a prompt may mean, those of the best score first; those cut go to a list."""
         answers = [self._predict_crop(window, prompt, None) for window in self._propose_crops(prompt)]
         answers.sort(key=lambda answer: -answer.compute_score(known_area, prompt.drawn_area))
         distinct: list[CropPrediction] = []
@@ -236,7 +255,11 @@ class ObjectPredictor:
             distinct.append(answer)
             others = [one for one in answers if one is not answer]
             agreement = max((answer.compute_iou_with(other) for other in others), default=1.0)
-            yield self._refine_prediction(answer, prompt, agreement, 0)
+            found, last = self._refine_prediction(answer, prompt, agreement, 0)
+            if last.is_cut(self.values.shape[:2]):
+                cut.append(found)
+            else:
+                yield found
             if len(distinct) == MAX_PREDICTIONS:
                 return
 
@@ -255,8 +278,10 @@ class ObjectPredictor:
         answer = self._predict_crop(_crop_around(true_bounds(mask), prompt), prompt, None)
         return self._build_prediction(answer, 1.0, answer.crop.sample_map(mask))
 
-    def _refine_prediction(self, answer: CropPrediction, prompt: Prompt, agreement: float, rounds: int) -> Prediction:
-        """Refine a prediction by further crops around its answer."""
+    def _refine_prediction(
+        self, answer: CropPrediction, prompt: Prompt, agreement: float, rounds: int
+    ) -> tuple[Prediction, CropPrediction]:
+        """Refine a prediction by further crops around its answer; return the answer in the last of them, too."""
         shape, before = self.values.shape[:2], answer
         while (
             rounds < _MAX_CROP_REFINEMENTS
@@ -265,7 +290,8 @@ class ObjectPredictor:
         ):
             answer, before = self._predict_crop(_crop_around(answer.object_bounds, prompt), prompt, answer), answer
             rounds += 1
-        return self._build_prediction(answer, agreement, answer.crop.sample_from(before.crop, before.probability))
+        steady = answer.crop.sample_from(before.crop, before.probability)
+        return self._build_prediction(answer, agreement, steady), answer
 
     def _refine_corrections(self, found: Prediction, prompt: Prompt, previous: Mask) -> Prediction:
         """Refine what points that contradict a previous mask, shape (H, W), have changed, each in a crop of its own.

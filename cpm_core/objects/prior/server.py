@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
+from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area, is_line
 from cpm_core.numerics.types import Extent, Index, Mask, Numbers, Sides
 
 _MAX_LINE_DEPTH = 2.0
@@ -113,7 +113,7 @@ def split_lassos(voxels: Index, shape: Extent) -> tuple[Index, list[Mask]]:
             if len(line) < MIN_DRAWN_PLACES or (np.ptp(line, axis=0) == 0).any():
                 continue
             across = drawn_area(line.astype(float), shape[:axis] + shape[axis + 1 :])
-            if np.count_nonzero(across) > 2 * len(line):
+            if not is_line(across):
                 enclosed = across.copy()
                 enclosed[tuple(line.T)] = False
                 parts, _ = scipy.ndimage.label(scipy.ndimage.distance_transform_edt(~across) <= _MAX_LINE_DEPTH)

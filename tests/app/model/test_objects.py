@@ -7,12 +7,15 @@ import pytest
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.saving import describe_changes
+from cpm_app.session.features.object_rows import ObjectRow
+from cpm_app.session.features.object_selection import format_confidence
+from cpm_app.views.panels.objects import build_object_columns
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats import to_bytes
 from cpm_core.formats.masks.labels import paint_labels
 from cpm_core.image.region import Region
-from cpm_core.objects.segmented.segmented_object import Click
+from cpm_core.objects.segmented.segmented_object import Click, SegmentedObjects
 from cpm_core.objects.selection import Selection
 from cpm_core.results import Result, boundaries_result
 from cpm_core.shapes import Barrier, Polygon, Stroke
@@ -63,6 +66,16 @@ def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own
     assert [np.array(curve).tolist() for curve in frame.region.boundary] == [c.points.tolist() for c in FRAME.contours]
     assert (frame.clicks, frame.confidence, frame.strength, dot.category) == ((HERE,), 0.5, 3.0, 2)
     assert numbers(accepted(objects.delete_objects(document, (1,)), FRAME, (HERE,))) == [2, 3]
+
+
+@pytest.mark.parametrize("confidence", [0.9146, 0.4996, 0.00449])
+def test_an_object_is_as_likely_everywhere_as_the_selection_that_it_was(confidence) -> None:
+    selection = selected((4.5, 25.5), confidence=confidence)
+    item = objects.object_from_selection(selection, (HERE,), 1, 1)
+    assert item.confidence == selection.confidence
+    columns = {column.name: column for column in build_object_columns(SegmentedObjects((item,)))}
+    cell = columns["confidence"].format_cell(ObjectRow(("object", 1), "object", "object 1", item), 1.0)
+    assert cell == format_confidence(selection)
 
 
 def test_rejected_objects_are_kept_with_numbers_of_their_own_until_they_are_accepted_or_deleted(document) -> None:

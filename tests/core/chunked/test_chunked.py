@@ -220,6 +220,16 @@ def test_files_hold_what_was_found(found, tmp_path):
     assert areas == pytest.approx(pixels, rel=0.03)
 
 
+def test_a_number_that_is_not_known_is_an_empty_cell(tmp_path):
+    from pyarrow import parquet  # noqa: PLC0415
+
+    parts = [{"label": np.array([1]), "confidence": np.array([at])} for at in (np.nan, 0.5)]
+    for name in ("cells.csv", "cells.parquet"):
+        results.write_table_parts(tmp_path / name, tmp_path / name, parts)
+    assert (tmp_path / "cells.csv").read_text().split() == ['"label","confidence"', "1,", "1,0.5"]
+    assert parquet.read_table(tmp_path / "cells.parquet")["confidence"].to_pylist() == [None, 0.5]
+
+
 def test_pieces_are_joined_to_closed_contours_without_a_seam():
     turn = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
     circle = np.stack([100.0 + 80.0 * np.sin(turn), 100.0 + 80.0 * np.cos(turn)], axis=1)

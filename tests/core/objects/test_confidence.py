@@ -28,6 +28,12 @@ def test_an_object_is_the_surer_the_more_speaks_for_it(feature, features, more):
     assert 0.0 < estimate_confidence(features) <= estimate_confidence(larger) < 1.0
 
 
+@given(features=FEATURES)
+def test_the_places_of_a_stroke_do_not_count_as_so_many_clicks(features):
+    few, stroke = (estimate_confidence(features._replace(point_count=count)) for count in (4, 40))
+    assert stroke == few
+
+
 @given(features=REGION_FEATURES, more=SHARE)
 def test_a_region_is_the_surer_the_larger_the_predicted_overlap_and_the_fewer_its_rivals(features, more):
     better = features._replace(predicted_iou=max(more, features.predicted_iou), rivalry=min(more, features.rivalry))

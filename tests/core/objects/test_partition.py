@@ -9,7 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core import Image, Partition, Regions, circle, example, partition, segment, select_all, uniform_grid
+from cpm_core.field.start_area.drawn_area import drawn_area, is_line
 from cpm_core.image.region import Region
+from cpm_core.numerics import polyline
+from cpm_core.objects.boundaries.necks import split_at_necks
 
 from ..scenes import antialiased, disk, ring
 
@@ -146,6 +149,40 @@ def test_of_two_disks_that_touch_one_is_parted_at_the_neck_by_a_click_in_the_oth
     assert 0.5 < chosen.confidence < 1.0
 
 
+@pytest.fixture(scope="module")
+def joined():
+    """An image of two disks that touch, in which nothing but necks decides, and both selected by a point in each."""
+    bare = Partition(Image(antialiased((128, 128), two_disks)), (), uses_network=False)
+    both = within(30.0, 40.0, 15.0) | within(30.0, 66.0, 13.0)
+    return bare, bare.build_selection(both, np.array([(30.0, 38.0), (30.0, 68.0)]))
+
+
+@pytest.mark.parametrize("inside", [[(30, 38)], [(30, 38), (30, 68)]])
+def test_a_negative_point_in_the_middle_of_a_part_takes_away_all_of_it(joined, inside):
+    bare, both = joined
+    left = bare.select(inside, [(31, 70)], previous=both)
+    assert overlap(left.mask, within(30.0, 40.0, 15.0)) > 0.96
+    again = bare.select([*inside, (30, 36)], [(31, 70)], previous=left)
+    np.testing.assert_array_equal(again.mask, left.mask)
+
+
+def test_a_negative_point_that_is_not_in_the_middle_or_beside_a_newer_positive_one_takes_away_no_part(joined):
+    bare, both = joined
+    for inside, outside in ([(30, 38)], (31, 75)), ([(30, 38), (36, 72)], (31, 70)), ([(30, 70), (30, 38)], (30, 54)):
+        left = bare.select(inside, [outside], previous=both)
+        assert np.count_nonzero(both.mask & ~left.mask) == 1
+
+
+@pytest.mark.parametrize("size", [1, 9])
+def test_necks_are_where_they_are_in_images_of_any_size(size):
+    row, col = np.indices((96 * size, 128 * size)) / size
+    one, other = (np.hypot(row - 48, col - at) <= 20 for at in (45, 81))
+    parts = split_at_necks(one | other)
+    assert parts.max() == 2
+    assert ((parts > 0) == (one | other)).all()
+    assert overlap(parts == parts[48 * size, 45 * size], one & (col <= 63)) > 0.98
+
+
 def test_a_gap_in_a_drawn_outline_is_closed_straight_and_told():
     lines = np.full((96, 96), 200.0)
     lines[20:70, 20:22] = lines[20:70, 68:70] = lines[68:70, 20:70] = 40.0
@@ -213,6 +250,30 @@ def test_where_nothing_is_found_the_places_alone_are_chosen_and_that_is_told():
 def test_a_stroke_and_a_box_choose_the_object_of_a_click(disk_scene, disk_partition):
     for drawn in ({"stroke": [(40, 40), (52, 52)]}, {"box": [(21, 24), (73, 70)]}):
         assert overlap(disk_partition.select(**drawn).mask, truth_of(disk_scene)) > 0.9
+
+
+@pytest.mark.parametrize("given", ["inside", "stroke"])
+@pytest.mark.parametrize(("opening", "step"), [(0.0, 1.5), (0.8, 1.5), (0.4, 9.0)])
+def test_a_line_around_an_object_whose_ends_nearly_meet_is_a_lasso(disk_scene, given, opening, step):
+    turns = np.arange(0.3, 2.0 * np.pi + 0.3 - opening, step / 30.0)
+    line = (47.0, 47.0) + 30.0 * np.column_stack([np.sin(turns), np.cos(turns)])
+    bare = Partition(Image(disk_scene.values), (), uses_network=False)
+    assert overlap(bare.select(**{given: line}).mask, truth_of(disk_scene)) > 0.95
+
+
+@pytest.mark.parametrize("line", [[(20, 47), (74, 47)], [(47, 20), (20, 47), (47, 74)]])
+def test_an_open_line_is_no_lasso(disk_scene, line):
+    path = polyline.resample_path(np.array(line, float), 2.0)
+    bare = Partition(Image(disk_scene.values), (), uses_network=False)
+    assert bare.select(path).has_only_points
+
+
+@pytest.mark.parametrize("step", [1.0, 2.0, 3.16, 4.1, 7.0])
+@pytest.mark.parametrize("turn", [0.0, 0.02, 0.4, 0.8])
+def test_what_an_open_line_covers_is_a_line_however_far_its_places_are_apart(step, turn):
+    line = (48.0, 5.0) + np.arange(12)[:, None] * step * np.array([np.sin(turn), np.cos(turn)])
+    assert is_line(drawn_area(line, SHAPE))
+    assert not is_line(drawn_area(circle((48, 48), 4.0, spacing=min(step, 3.0)), SHAPE))
 
 
 @pytest.fixture(scope="module")

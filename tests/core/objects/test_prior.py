@@ -102,6 +102,20 @@ def test_what_covers_most_of_the_image_comes_after_what_is_smaller_and_holds_the
     assert large == sorted(large), shares
 
 
+def test_what_is_cut_at_the_sides_of_its_crop_comes_after_what_is_whole():
+    row, col = np.indices((600, 600))
+    disk = np.hypot(row - 300, col - 300) < 150
+
+    def answer(maps):
+        """Answer with what is bright, and, of a better score, with all of a crop in which nothing is seen."""
+        is_flat = np.ptp(maps[0]) < 0.5
+        return np.where(is_flat, 1.0, maps[0] > 0.0).astype(np.float32), 0.9 if is_flat else 0.5
+
+    first, *others = ObjectPredictor(200.0 * disk, network=answer).predict_objects(Prompt(np.array([[300, 300]])))
+    assert overlap(first.mask, disk) > 0.95
+    assert overlap(others[-1].mask, disk) < 0.9
+
+
 def test_objects_of_one_brightness_are_told_apart_by_color():
     mask = np.hypot(ROW - 60.0, COL - 60.0) < 25.0
     color = np.where(mask[..., None], [180.0, 90.0, 110.0], [60.0, 153.0, 97.0])

@@ -173,8 +173,7 @@ def replace_boundaries(document: Document, found: Iterable[SelectionUpdate]) -> 
 
 def object_from_selection(selection: Selection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
     """Make an object of a selection that is not empty."""
-    known = float(np.nan_to_num(selection.confidence))  # unknown where a body was clicked
-    confidence = round(min(max(known, 0.0), 1.0), _SESSION_DECIMALS)
+    confidence = float(np.nan_to_num(selection.confidence))  # unknown where a body was clicked
     if selection.region.ndim == 3:
         region = selection.region
         if region.pixels is not None and selection.prediction is None:

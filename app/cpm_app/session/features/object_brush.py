@@ -14,6 +14,7 @@ from cpm_app.model.document.objects import apply_brush, paint_volume_object
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_core.numerics import Place, polyline
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import SegmentedObject, paint_boundary, voxelize_brush
@@ -104,12 +105,13 @@ class ObjectBrush(QObject):
     def end_stroke(self) -> None:
         """End the stroke, with a message if it has changed no object."""
         if self._path and not self._number:
-            self._session.messages.show(tr("There is no object under the brush to erase from."))
+            nothing = tr("There is no object under the brush to erase from.")
+            self._session.messages.show(nothing, category=EDITING_CATEGORY)
         elif self._path and self.adds and self._list.objects == self._known:
             others = (item for item in self._known.items if item.number != self._number)
             found = next((item for item in others if any(item.region.contains(at) for at in self._path)), None)
             if found is not None:
-                self._session.messages.show(self._explain_obstacle(found))
+                self._session.messages.show(self._explain_obstacle(found), category=EDITING_CATEGORY)
         self._path = []
         self._list.resume_measuring()
 
@@ -165,7 +167,7 @@ class ObjectBrush(QObject):
         if not self._number:
             item = self.find_target(stretch, self._stroke_radius, self.adds)
             if item is not None and (item.frozen or item.hidden):
-                self._session.messages.show(self._explain_obstacle(item))
+                self._session.messages.show(self._explain_obstacle(item), category=EDITING_CATEGORY)
                 self._path = []
             if not self._path or not (item or self.adds):
                 return

@@ -71,7 +71,8 @@ class ObjectCommands(QObject):
         )  # fmt: skip
         if not rows and not copied:
             nothing = tr("There is nothing to accept: click in an object first.")
-            self._session.messages.show(describe_unlikely(len(offered)) if offered else nothing)
+            words = describe_unlikely(len(offered)) if offered else nothing
+            self._session.messages.show(words, category=EDITING_CATEGORY)
             return
         self._accept_rows(tr("accept {what}"), rows, copied=copied)
         self._session.end_gesture()

@@ -448,7 +448,7 @@ class ObjectSelection(QObject):
         remark = translate_core_text(proposals[0].selection.remark) if clicks and proposals else ""
         remark = remark or describe_no_effect(before, proposals)
         if remark and remark != self._remark:  # once
-            self._session.messages.show(remark)
+            self._session.messages.show(remark, category=EDITING_CATEGORY)
         self._remark = remark
         if candidate is not None and step is not None:
             self._on_candidate(step, *candidate)
@@ -481,13 +481,14 @@ class ObjectSelection(QObject):
         self._show_awaited_clicks()
 
     def _show_awaited_clicks(self) -> None:
-        """Mark the clicks whose answer is not shown yet."""
+        """Mark the clicks whose answer, or whose next candidate, is not shown yet."""
         known = self._answered[1] if self._answered is not None else ()
         clicks = () if self.answered else self._session.document.objects.clicks
         new = (each for each in clicks if each not in known)
+        stepped = self._stepped_clicks[0][-1:] if self._steps else ()
         later = (each.click for each in self._waiting if each.click is not None)
         before = self._session.scene.objects.awaited
-        self._update_shown_objects(awaited=(*new, *later))
+        self._update_shown_objects(awaited=(*new, *stepped, *later))
         if self._session.scene.objects.awaited != before:
             self.changed.emit()
 
@@ -498,10 +499,11 @@ class ObjectSelection(QObject):
         if asked != before:
             return
         if not clicks:
-            self._session.messages.show(tr("Click an object, or select one, to make it smaller or larger."))
+            unclear = tr("Click an object, or select one, to make it smaller or larger.")
+            self._session.messages.show(unclear, category=EDITING_CATEGORY)
         elif clicks == before:
             none = tr("There is no larger candidate.") if by > 0 else tr("There is no smaller candidate.")
-            self._session.messages.show(none)
+            self._session.messages.show(none, category=EDITING_CATEGORY)
         else:
             self._set_clicks(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
             ranked = tr("Candidate {number} of {count}.", number=number, count=count)

@@ -162,6 +162,15 @@ class StackPages(QObject):
         """The objects that the run of the open page proposes, numbered by their tracks; None unless all were run."""
         return self._proposed.get(self.number)
 
+    @property
+    def found_objects(self) -> str:
+        """Sentence on the objects that runs of all pages propose; empty before there are any."""
+        pages = [page for page in self._proposed.values() if page.result is not None]
+        count = len({one.number for page in pages for one in page.contours})
+        found = tr("{pages} of {all} pages were run. Objects on them, each counted once: {count}.",
+                   pages=len(pages), all=self.count, count=count)  # fmt: skip
+        return found if self._proposed else ""
+
     def go_by(self, by: int) -> None:
         """Go some pages forward or backward, also past a page that could not be opened."""
         self.open_page(min(max(self.wanted_page + by, 1), self.count))
@@ -303,13 +312,10 @@ class StackPages(QObject):
 
     def _on_all_done(self, _: None) -> None:
         """Say what was found on all pages, and let new objects of the open page get numbers of their own."""
-        taken, pages = self.largest_number, [page for page in self._proposed.values() if page.result is not None]
+        taken = self.largest_number
         if taken >= self._session.document.objects.next_number:
             self._session.edit(tr("run all pages"), lambda document: with_taken_numbers(document, taken))
-        count = len({one.number for page in pages for one in page.contours})
-        found = tr("{pages} of {all} pages were run. Objects on them, each counted once: {count}.",
-                   pages=len(pages), all=self.count, count=count)  # fmt: skip
-        self._session.messages.show(found, category=RUNNING_CATEGORY)
+        self._session.messages.show(self.found_objects, category=RUNNING_CATEGORY)
 
     def _on_page_done(self, path: str, known: KeptPage | None, page: Page, offered: Page, done: KeptPage) -> None:
         """Keep a page that has been run, unless the user has changed it since; the open one is opened again."""

@@ -147,6 +147,7 @@ class PagePanel(QWidget):
             )
             if failed := len(found.pages) - len(found.results):
                 text += " " + tr("{failed} could not be used.", failed=failed)
+            text = f"{text} {self._pages.found_objects}".strip()  # the table lists contours until objects are accepted
         self.summary.setText(text)
 
     def show_plots(self) -> None:

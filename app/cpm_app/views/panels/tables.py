@@ -348,8 +348,12 @@ class SortableTable(QTableView):
         self._measure_columns()
 
     def _measure_samples(self) -> list[int]:
-        """Return the widths that usual texts need."""
-        widths = [self.fontMetrics().horizontalAdvance(one.sample) + _COLUMN_PADDING for one in self.rows.columns]
+        """Return the widths that usual texts need, and the largest area or volume, whose digits may be many."""
+        widths, items, measure = [], self.rows.items, self.fontMetrics().horizontalAdvance
+        for column in self.rows.columns:
+            largest = max(items, key=column.sort_key) if items and column.power > 1 else None
+            number = "" if largest is None else column.format_cell(largest, self.rows.factor)
+            widths.append(max(measure(column.sample), measure(number)) + _COLUMN_PADDING)
         widths[self._stretched_column] += _COLUMN_PADDING  # room for the color
         return widths
 
@@ -366,7 +370,11 @@ class SortableTable(QTableView):
         self._fit_columns()
 
     def _fit_columns(self) -> None:
-        """Show the columns for which there is room."""
+        """Show the columns for which there is room, each at least as wide as what it holds now."""
+        for index, width in enumerate(self._measure_samples()):
+            if width > self._widths[index]:
+                self._widths[index] = width
+                self.setColumnWidth(index, width)
         asked = sum(self._widths[index] for index, on in self._columns_set_by_user.items() if on)
         room = self.viewport().width() - self._widths[self._stretched_column] - asked
         items = self.rows.items

@@ -30,6 +30,9 @@ _SHOWN_PARTS = {
 }
 """Titles and tips of the parts by their fields in `ShownParts`."""
 
+_ALTERNATIVES = {"slices": "projection", "projection": "slices"}
+"""Parts that replace one another: slices hide nearly all brightest voxels, which lie behind them."""
+
 _CUT_AXES = ((tr("No cut"), None), (tr("Cut planes"), 0), (tr("Cut rows"), 1), (tr("Cut columns"), 2))
 """Titles of the cuts, and the axes across which they run."""
 
@@ -56,7 +59,7 @@ class SpaceBar(QWidget):
         for name, check in self.checks.items():
             check.setToolTip(_SHOWN_PARTS[name][1])
             check.setChecked(getattr(self.shown, name))
-            check.toggled.connect(self._on_control_changed)
+            check.toggled.connect(partial(self._on_part_toggled, name))
         looks = fill_layout(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity)
         cut = fill_layout(QHBoxLayout(), self.cut, self.cut_at)
         fill_layout(QVBoxLayout(self), *self.checks.values(), looks, cut, None, margins=(12, 8, 8, 6), spacing=6)
@@ -64,6 +67,11 @@ class SpaceBar(QWidget):
         self.cut.currentIndexChanged.connect(self._on_control_changed)
         self.cut_at.moved_to.connect(self._on_control_changed)
         self._update_enabled()
+
+    def _on_part_toggled(self, name: str, on: bool) -> None:
+        if on and name in _ALTERNATIVES:
+            self.checks[_ALTERNATIVES[name]].setChecked(False)
+        self._on_control_changed()
 
     def _on_control_changed(self) -> None:
         shown = replace(

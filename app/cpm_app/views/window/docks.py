@@ -42,7 +42,7 @@ class Panel:
     below_canvas: bool = False
 
 
-_COLUMN_WIDTH = 320
+_COLUMN_WIDTH = 344
 """Initial width of the column [px]."""
 
 _MIN_COLUMN_WIDTH = 304

@@ -158,6 +158,15 @@ def test_the_columns_that_are_shown_fit_with_their_whole_titles_and_the_first_on
         assert all(header.sectionSize(index) + room[index] >= header.sectionSizeHint(index) for index in shown)
 
 
+def test_a_number_of_many_digits_is_shown_whole_beside_the_confidence(window, hand, table) -> None:
+    window.session.edit("size of a pixel", lambda d: set_pixel_size(d, (100.0, 10.0), None))
+    table.resize(324, 200)
+    hand.wait(lambda: column(table, "area")[0] == "1,500,000")
+    area = table.column_index("area")
+    assert not table.isColumnHidden(table.column_index("confidence"))
+    assert table.columnWidth(area) >= table.sizeHintForColumn(area)
+
+
 NARROW_TABLE = """
 import os, sys
 from cpm_app.model.text.language import use_language

@@ -150,6 +150,7 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
     columns = [float(col) for col in table.column_texts("col") if col != "–"]
     np.testing.assert_allclose(np.diff(columns), [5, 5, 5], atol=0.3)
     assert "4 of 5 pages finished; tracks: 1. 1 could not be used." in feature.panel.summary.text()
+    assert "Objects on them, each counted once: 1." in feature.panel.summary.text()
     assert stack.session.status.phase == "finished"  # the page that is open shows its run
     assert len(stack.session.scene.contours) == 1
 

@@ -177,3 +177,12 @@ def test_controls_show_and_hide_each_part(qtbot, panel) -> None:
     parts["projection"].setChecked(True)
     settle(qtbot, panel)
     assert "#ffffff" in colors(panel)
+
+
+def test_slices_and_brightest_voxels_replace_one_another(qtbot, panel) -> None:
+    panel.show_contents(contents())
+    parts = panel.bar.checks
+    for name, other in (("slices", "projection"), ("projection", "slices"), ("slices", "projection")):
+        qtbot.mouseClick(parts[name], LEFT, NONE, QPoint(8, parts[name].height() // 2))
+        assert (parts[name].isChecked(), parts[other].isChecked()) == (True, False)
+        assert (getattr(panel.bar.shown, name), getattr(panel.bar.shown, other)) == (True, False)
