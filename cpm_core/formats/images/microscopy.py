@@ -16,7 +16,7 @@ from cpm_core.formats.images.decoded import DecodedImage, check_pixel_count, dec
 from cpm_core.formats.images.reading import Reading, select_series
 from cpm_core.formats.images.stack import Stack
 from cpm_core.numerics.packages import require_package
-from cpm_core.numerics.types import Numbers
+from cpm_core.numerics.types import Numbers, Texts
 
 FILE_KINDS = {".czi": "CZI file of Zeiss", ".lif": "LIF file of Leica", ".nd2": "ND2 file of Nikon"}
 
@@ -39,6 +39,8 @@ class _Scene(NamedTuple):
         Type of the samples.
     read_part : callable
         Reads a part by index, or by slice, of each axis that is named; axes of length 1 may be missing in it.
+    names, colors : tuple of str
+        Those of the channels, as in `Stack`.
     """
 
     name: str
@@ -46,6 +48,8 @@ class _Scene(NamedTuple):
     steps: Mapping[str, float]
     dtype: np.dtype[Any]
     read_part: Callable[[Mapping[str, int | slice]], Numbers]
+    names: Texts = ()
+    colors: Texts = ()
 
 
 def _list_czi_scenes(file: Any) -> list[_Scene]:
@@ -85,6 +89,8 @@ def _list_lif_images(file: Any) -> list[_Scene]:
 def _list_nd2_positions(file: Any) -> list[_Scene]:
     """List the positions of an ND2, which are images of their own."""
     volume = file.metadata.channels[0].volume
+    stated = [one.channel for one in file.metadata.channels]
+    names, colors = tuple(make_printable(one.name) for one in stated), tuple(one.color.as_hex() for one in stated)
     known = zip("XYZ", volume.axesCalibrated, volume.axesCalibration, strict=True)
     sizes, steps = dict(file.sizes), {axis: 1e-6 * step for axis, is_known, step in known if is_known}
     count, data = sizes.pop("P", 1), file.to_dask()
@@ -94,7 +100,7 @@ def _list_nd2_positions(file: Any) -> list[_Scene]:
             chosen = {"P": number, **part}
             return np.asarray(data[tuple(chosen.get(axis, slice(None)) for axis in file.sizes)])
 
-        return _Scene(f"position {number + 1}", sizes, steps, file.dtype, read_part)
+        return _Scene(f"position {number + 1}", sizes, steps, file.dtype, read_part, names, colors)
 
     return [list_position(number) for number in range(count)]
 
@@ -163,6 +169,8 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         series=names,
         series_number=number,
         has_plane_spacing=deep > 0.0,
+        channel_names=scene.names,
+        channel_colors=scene.colors,
     )
 
 

@@ -77,7 +77,13 @@ def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage
     named = {one["name"]: str(one.get("unit") or "") for one in axes}
     sides = [float(sizes.get(axis, sizes.get("y", 1.0))) for axis in "zyx"]
     spacing, unit = resolution.spacing_from_sizes(sides, [named.get(axis, "") for axis in "zyx"])
-    return MultiscaleImage(name, levels, letters, spacing, unit, series, number)  # type: ignore[arg-type]
+    known = dict(group.attrs)
+    channels = known.get("ome", known).get("omero", {}).get("channels", ())
+    names, colors = ([str(one.get(key, "")) for one in channels] for key in ("label", "color"))
+    return MultiscaleImage(
+        name, levels, letters, spacing, unit, series, number,  # type: ignore[arg-type]
+        tuple(map(make_printable, names)), tuple(f"#{color}".lower() for color in colors),
+    )  # fmt: skip
 
 
 def _find_multiscales(group: Any) -> JsonDict:

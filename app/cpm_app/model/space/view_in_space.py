@@ -12,10 +12,10 @@ from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import Picture, draw_balls, draw_lines
 from cpm_app.model.space.triangles import CutPlane, SurfaceMesh, draw_mesh
 from cpm_app.model.space.voxels import ShadedVolume, draw_projection, draw_slice
-from cpm_app.model.volume.slices import Slices
+from cpm_app.model.volume.slices import Slice, Slices
 from cpm_core import Image
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Pixels, frozen, record
+from cpm_core.numerics.types import Pixels, Sides, frozen, record
 
 RgbColor = tuple[int, int, int]
 """Red, green and blue, from 0 to 255."""
@@ -115,6 +115,8 @@ class ViewInSpace:
         The shapes that the user has drawn.
     table : ndarray of uint8, shape (256, 3)
         Color of each shade.
+    channels : tuple of (ShadedVolume, ndarray of uint8, shape (256, 3))
+        The other channels of a composite, with the color of each shade, whose light is added.
     second : ShadedVolume or None
         The second image; slices and brightest voxels show it over those of the volume.
     second_table : ndarray of uint8, shape (256, 4)
@@ -134,6 +136,7 @@ class ViewInSpace:
     mesh: SurfaceMesh | None = None
     wires: Wires | None = None
     table: Pixels = field(default_factory=lambda: GRAY_TABLE)
+    channels: tuple[tuple[ShadedVolume, Pixels], ...] = ()
     second: ShadedVolume | None = None
     second_table: Pixels = field(default_factory=lambda: NO_COLORS)
     objects: tuple[ColoredMesh, ...] = ()
@@ -159,13 +162,15 @@ class ViewInSpace:
         picture, shown, spacing = Picture.blank(size, BACKGROUND_COLOR), self.shown, self.image.spacing
         if shown.projection:
             draw_projection(picture, self.shaded, camera, spacing, self.table)
+            for channel, table in self.channels:
+                _add_light(picture.colors, table[_project_shades(channel, camera, spacing, size)])
             if self.second is not None:
-                brightest = Picture.blank(size, (0, 0, 0))
-                draw_projection(brightest, self.second, camera, spacing, GRAY_TABLE)
-                self._blend_second(picture.colors, brightest.colors[..., 0])
+                self._blend_second(picture.colors, _project_shades(self.second, camera, spacing, size))
         if shown.slices:
             for place in map(self.slices.slice_across, range(3)):
-                colors = self.table[apply_window(place.slice_array(self.shaded.values), self.shaded.window)]
+                colors = _color_slice(place, self.shaded, self.table)
+                for channel, table in self.channels:
+                    _add_light(colors, _color_slice(place, channel, table))
                 if self.second is not None:
                     self._blend_second(colors, place.slice_array(self.second.voxels))
                 draw_slice(picture, place, colors, camera, spacing)
@@ -236,6 +241,22 @@ class ViewInSpace:
         colors = np.tile(_EDGE_COLOR, (12, 1))
         colors[::4] = AXIS_COLORS
         draw_lines(picture, camera.project(ends * self.lengths, picture.size), colors.astype(np.uint8))
+
+
+def _project_shades(volume: ShadedVolume, camera: Camera, spacing: Sides, size: tuple[int, int]) -> Pixels:
+    """Return the shade of the brightest voxel on each line of sight, shape (H, W); 0 where there is none."""
+    brightest = Picture.blank(size, (0, 0, 0))
+    draw_projection(brightest, volume, camera, spacing, GRAY_TABLE)
+    return brightest.colors[..., 0]
+
+
+def _color_slice(place: Slice, volume: ShadedVolume, table: Pixels) -> Pixels:
+    return table[apply_window(place.slice_array(volume.values), volume.window)]
+
+
+def _add_light(colors: Pixels, more: Pixels) -> None:
+    """Add colors, shape (H, W, 3), in place; the brightest light is white."""
+    colors[:] = np.minimum(colors, 255 - more) + more
 
 
 def _find_particle_radius(coarseness: int) -> float:

@@ -1,10 +1,14 @@
-"""The layer of the image itself, and the drag that changes its window of gray values."""
+"""The layer of the image itself, or of all channels together, and the drag that changes its window of gray values."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
+from typing import Any, Literal
 
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QCursor, QMouseEvent
@@ -17,13 +21,16 @@ from cpm_app.model.display.display_image import (
     percentile_window,
 )
 from cpm_app.model.text.language import localize_number, tr
+from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import shade_image
 from cpm_app.views.items.item import enable_caching
 from cpm_app.views.items.tiled_image import TiledImage
 from cpm_app.views.layers.layer import Layer, Option
 from cpm_app.views.theme import color_maps
-from cpm_core.numerics.types import Pixels
+from cpm_core import Image
+from cpm_core.formats.common.json_values import from_json, to_json
+from cpm_core.numerics.types import Pixels, frozen
 
 WHOLE_RANGE = "0"
 """Range of all gray values."""
@@ -36,6 +43,9 @@ _FILE_RANGE = "file"
 
 _MANUAL_RANGE = "hand"
 """Range set by hand."""
+
+_MAX_CHANNELS_AT_FIRST = 7
+"""Number of channels that a composite shows at first, as many as there are usual colors."""
 
 WidthAndLevel = tuple[float, float]
 """Width and middle of a window of gray values."""
@@ -62,8 +72,18 @@ _MAX_IMMEDIATE_PIXELS = 1 << 22
 """Largest number of pixels shaded immediately, which takes two frames; the worker shades larger images."""
 
 
+@frozen
+class ChannelLook:
+    """How a composite shows a channel: in which color and range of gray values; `window` is one set by hand."""
+
+    shown: bool
+    color: str
+    range: Literal["file", "0", "0.1", "1", "5", "hand"] = "file"
+    window: tuple[float, float] | None = None
+
+
 class ImageLayer(Layer):
-    """The image in a window of gray values, set by percentiles or by hand."""
+    """The image in a window of gray values, set by percentiles or by hand; of several channels, all together."""
 
     name = "image"
     title = tr("Image")
@@ -74,7 +94,7 @@ class ImageLayer(Layer):
             "shown",
             tr("Shown"),
             _SHOW_COLORS,
-            tr("A color image in its colors, or the channel in which a run finds edges."),
+            tr("All channels, each in its color, or the channel in which a run finds edges."),
             {_SHOW_COLORS: tr("In color"), _SHOW_CHANNEL: tr("Channel of the run")},
         ),
         Option("map", tr("Colors"), color_maps.GRAY_MAP, tr("Colors from dark to bright."), color_maps.COLOR_MAPS),
@@ -113,6 +133,9 @@ class ImageLayer(Layer):
         """Gray values shown as black and white at first, `Image.shown_range`; the same now."""
         self.window_bounds = self.gray_range
         """Bounds of a window set by hand: the gray range, extended by that of the file and the usual ones of CT."""
+        self.looks: tuple[ChannelLook, ...] = ()
+        """How a composite shows each channel of the file; none without channels."""
+        self._parts = IdentityCache()
 
     @property
     def shades(self) -> Pixels | None:
@@ -133,21 +156,20 @@ class ImageLayer(Layer):
     def apply_option(self, name: str) -> None:
         """Change colors or window."""
         if name == "map":
-            name = self.get_choice("map")
-            self._item.set_color_table(None if name == color_maps.GRAY_MAP else color_maps.color_table(name))
+            self._apply_colors()
         elif name == "range":
             self._apply_range()
         else:  # what is shown, or gamma
             self._update_shades()
 
     def has_effect(self, name: str) -> bool:
-        """Tell whether an option has an effect: gray images have no channels, color images no color map."""
-        colored = self.scene.image is not None and self.scene.image.colors is not None
+        """Tell whether an option has an effect: a single channel has no colors, colors have no color map."""
+        colored = bool(self.looks) or (self.scene.image is not None and self.scene.image.colors is not None)
         return {"shown": colored, "map": not colored or self.get_choice("shown") == _SHOW_CHANNEL}.get(name, True)
 
     def view_state(self) -> dict[str, object]:
-        """Return the state, with the window if it was set by hand."""
-        state = super().view_state()
+        """Return the state, with the channels, and the window if it was set by hand."""
+        state = {**super().view_state(), **({"channels": to_json(self.looks)} if self.looks else {})}
         return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == _MANUAL_RANGE else state
 
     def use_view_state(self, state: dict[str, object]) -> None:
@@ -156,6 +178,54 @@ class ImageLayer(Layer):
         low, high = state.get("low"), state.get("high")
         if self.get_choice("range") == _MANUAL_RANGE and isinstance(low, int | float) and isinstance(high, int | float):
             self.set_window(float(low), float(high))
+        kept = state.get("channels")
+        if not self.looks or not isinstance(kept, list) or len(kept) != len(self.looks):
+            return
+        with suppress(ValueError):
+            self.looks = tuple(from_json(ChannelLook, look, "channel") for look in kept)
+            look, image = self.looks[self.open_channel], self.scene.full_image
+            has_way = look.range != _FILE_RANGE or (image is not None and image.window is not None)
+            self.option_values["range"] = look.range if has_way else WHOLE_RANGE
+            self._apply_window(*look.window) if look.window else self._apply_range()
+
+    @property
+    def is_composite(self) -> bool:
+        """Whether all channels of the file are shown together."""
+        return bool(self.looks) and self.get_choice("shown") == _SHOW_COLORS
+
+    def set_composite(self, composite: bool) -> None:
+        """Show all channels together, or the open one alone."""
+        self.set_option("shown", _SHOW_COLORS if composite else _SHOW_CHANNEL)
+
+    @property
+    def open_channel(self) -> int:
+        """Index of the channel that is open: the one of the run, whose window can be set."""
+        image = self.scene.document.image
+        return 0 if image is None else (image.reading.channel or 1) - 1
+
+    @property
+    def shown_channels(self) -> Mapping[int, tuple[Image, IntensityWindow, str]]:
+        """The other channels that a composite shows, as far as they have been read, each with its window and color."""
+        found, gamma = {}, self.get_amount("gamma")
+        for index, channel in enumerate((self.scene.whole or self.scene).channels if self.is_composite else ()):
+            look, image = self.looks[index], channel.image
+            if look.shown and image is not None:
+                way, name = look.range, ("window", index)
+                find = partial(_find_window, image, way)
+                low, high = look.window or self._parts.get_named(name, find, image, way)
+                found[index] = image, IntensityWindow(low, high, gamma), look.color
+        return found
+
+    def set_look(self, channel: int, **changes: Any) -> None:
+        """Show or hide a channel, by its index, or change its color."""
+        self._replace_look(channel, **changes)
+        self._show_image()
+        self.changed.emit()
+
+    def _replace_look(self, channel: int, **changes: Any) -> None:
+        looks = [*self.looks]
+        looks[channel] = replace(looks[channel], **changes)
+        self.looks = tuple(looks)
 
     def show_scene(self, before: Scene) -> None:
         """Show another image, or shades that were requested."""
@@ -165,6 +235,7 @@ class ImageLayer(Layer):
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
         whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
+            self._reset_looks(before)
             self.gray_range = self.window = whole.shown_range
             usual = [window_from_level(window) for _, window in CT_WINDOWS.values()] if whole.is_ct else []
             low, high = zip(self.gray_range, whole.window or self.gray_range, *usual, strict=True)
@@ -177,23 +248,35 @@ class ImageLayer(Layer):
             self._apply_range()
         elif (image, scene.display, channel) != (before.image, before.display, last):
             self._update_shades()  # another slice of the volume, another pixel size, or a completed preview
+        elif scene.channels != before.channels:
+            self._show_image()
         # of two pending requests, only the newer one may be shown
         wanted = image, self.shown_window, self._channel
         if shaded not in (None, before.shaded) and (shaded.image, shaded.window, shaded.channel) == wanted:
-            self._item.show_image(shaded.display)
+            self._show_image(shaded.display)
+
+    def _reset_looks(self, before: Scene) -> None:
+        """Keep the looks for a file with the same channels, except for windows; else begin with those of the file."""
+        known = [[(each.name, each.color) for each in scene.channels] for scene in (self.scene, before)]
+        if known[0] == known[1]:
+            self.looks = tuple(replace(look, range="file", window=None) for look in self.looks)
+        else:
+            self.looks = tuple(
+                ChannelLook(index < _MAX_CHANNELS_AT_FIRST, color) for index, (_, color) in enumerate(known[0])
+            )
 
     def _apply_range(self) -> None:
         """Set the window from the selected range."""
         way, image = self.get_choice("range"), self.scene.full_image
         if image is None or way == _MANUAL_RANGE:
             return
-        if way in (WHOLE_RANGE, _FILE_RANGE):
-            self._apply_window(*((way == _FILE_RANGE and image.window) or self.gray_range))
-        else:
-            self._apply_window(*percentile_window(image.values, float(way)))
+        self._apply_window(*_find_window(image, way))
 
     def _apply_window(self, low: float, high: float) -> None:
         self.window = (low, high)
+        if self.looks:
+            way = self.get_choice("range")
+            self._replace_look(self.open_channel, range=way, window=self.window if way == _MANUAL_RANGE else None)
         self._update_shades()
         self.changed.emit()
 
@@ -204,13 +287,43 @@ class ImageLayer(Layer):
         window, all_of_it = self.shown_window, self.shown_window == IntensityWindow(*self.gray_range)
         if image.colors is not None and channel is None:
             self._item.set_tone_curve(None if all_of_it else compute_color_curve(window, image.colors.white))
-            self._item.show_image(whole)
+            self._show_image(whole)
         elif image.colors is None and all_of_it:
-            self._item.show_image(whole)
+            self._show_image(whole)
         elif image.colors is None and image.values.size <= _MAX_IMMEDIATE_PIXELS:
-            self._item.show_image(DisplayImage.from_image(image, window))
+            self._show_image(DisplayImage.from_image(image, window))
         elif channel is not None:
             self.requests.post_command(shade_image(image, window, channel))
+
+    def _show_image(self, display: DisplayImage | None = None) -> None:
+        """Show the image, by default as it is shown now, with the other channels of a composite."""
+        display = display or self._item.display
+        if display is not None:
+            self._apply_colors()
+            others = ((self._shade_channel(index, window), color)
+                      for index, (_, window, color) in self.shown_channels.items())  # fmt: skip
+            self._item.show_image(display, tuple(others))
+
+    def _shade_channel(self, index: int, window: IntensityWindow) -> DisplayImage:
+        """Shade another channel, or a slice of it."""
+        channel, whole = self.scene.channels[index], (self.scene.whole or self.scene).channels[index].image
+        image = channel.image
+        assert image is not None and whole is not None
+        if channel.display is not None and window == IntensityWindow(*whole.shown_range):
+            return channel.display
+        return self._parts.get_named(index, lambda: DisplayImage.from_image(image, window), image, window)
+
+    @property
+    def color_table(self) -> Pixels:
+        """Color of each shade, shape (256, 3); in a composite, of the open channel."""
+        if self.is_composite:
+            look = self.looks[self.open_channel]
+            return color_maps.ramp_table(look.color if look.shown else "black")
+        return color_maps.color_table(self.get_choice("map"))
+
+    def _apply_colors(self) -> None:
+        gray = not self.is_composite and self.get_choice("map") == color_maps.GRAY_MAP
+        self._item.set_color_table(None if gray else self.color_table)
 
     @property
     def _channel(self) -> str | None:
@@ -219,6 +332,13 @@ class ImageLayer(Layer):
         if image is None or (image.colors is not None and self.get_choice("shown") == _SHOW_COLORS):
             return None
         return image.resolve_channel(self.scene.document.parameters.channel)
+
+
+def _find_window(image: Image, way: str) -> Window:
+    """Find the window of a range of gray values that is not set by hand."""
+    if way in (WHOLE_RANGE, _FILE_RANGE, _MANUAL_RANGE):
+        return (way == _FILE_RANGE and image.window) or image.shown_range
+    return percentile_window(image.stored, float(way))
 
 
 _FULL_DRAG_LENGTH = 400.0

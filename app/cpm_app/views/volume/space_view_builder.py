@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from weakref import WeakKeyDictionary
 
@@ -21,6 +22,7 @@ from cpm_app.session.exchange.messages import Reconstruction, Snapshot
 from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.scene import Proposal, Scene
 from cpm_app.views.layers import Layers
+from cpm_app.views.layers.image_layer import ImageLayer
 from cpm_app.views.layers.particles import build_quantity_palette
 from cpm_app.views.layers.second_image import SecondImageLayer
 from cpm_app.views.layers.skeleton import split_skeleton_by_thickness
@@ -71,11 +73,21 @@ class SpaceViewBuilder:
             get(_build_particles, snapshot, size, layer.get_choice("colour"), layer.get_choice("map"), inks),
             get(_build_surface_mesh, found),
             get(_build_wires, drawn, scene.selected_shape, image, scene.skeleton if layers["skeleton"].shown else None),
-            color_maps.color_table(layers.image.get_choice("map")),
+            layers.image.color_table,
+            self._build_channels(layers.image),
             *self._build_second(scene.second, layers),
             get(_build_object_meshes, objects, scene.objects.proposals, spacing, bodies),
             get(_build_truth_mesh, scene.truth if layers["truth"].shown else None, spacing),
         )
+
+    def _build_channels(self, layer: ImageLayer) -> tuple[tuple[ShadedVolume, Pixels], ...]:
+        """Build the shades of the other channels of a composite, and their colors."""
+        found: list[tuple[ShadedVolume, Pixels]] = []
+        for index, (image, window, color) in layer.shown_channels.items():
+            make = partial(ShadedVolume, image.stored, window)
+            volume = self._parts.get_named(("channel", index), make, image, window)
+            found.append((volume, color_maps.ramp_table(color)))
+        return self._parts.get_named("channels", lambda: tuple(found), *(part for one in found for part in one))
 
     def _build_second(self, second: SecondImage | None, layers: Layers) -> tuple[ShadedVolume | None, Pixels]:
         """Build the shades of the second image, and their colors with the opacity of the layer."""
