@@ -14,7 +14,7 @@ from cpm_app.views.layers.image_layer import ImageLayer
 from cpm_app.views.theme.icons import create_swatch
 from cpm_app.views.widgets.actions import ActionButton, add_menu_action
 
-_MAX_NAME_LENGTH = 16
+_SHOWN_NAME_LENGTH = 16
 """Largest number of characters of a name that is shown."""
 
 
@@ -57,7 +57,7 @@ class ChannelBar(QToolBar):
 
     def _create_button(self, index: int, name: str) -> QToolButton:
         button, menu, layer = QToolButton(), QMenu(self), self._layer
-        button.setText(name if len(name) <= _MAX_NAME_LENGTH else f"{name[:_MAX_NAME_LENGTH]}…")
+        button.setText(name if len(name) <= _SHOWN_NAME_LENGTH else f"{name[:_SHOWN_NAME_LENGTH]}…")
         button.setToolTip(tr("{channel}: show or hide it. A run finds the edges of the channel in bold.", channel=name))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
