@@ -79,11 +79,8 @@ def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage
     spacing, unit = resolution.spacing_from_sizes(sides, [named.get(axis, "") for axis in "zyx"])
     known = dict(group.attrs)
     channels = known.get("ome", known).get("omero", {}).get("channels", ())
-    names, colors = ([str(one.get(key, "")) for one in channels] for key in ("label", "color"))
-    return MultiscaleImage(
-        name, levels, letters, spacing, unit, series, number,  # type: ignore[arg-type]
-        tuple(map(make_printable, names)), tuple(f"#{color}".lower() for color in colors),
-    )  # fmt: skip
+    styles = tuple((make_printable(one.get("label", "")), f"#{one.get('color', '')}".lower()) for one in channels)
+    return MultiscaleImage(name, levels, letters, spacing, unit, series, number, styles)  # type: ignore[arg-type]
 
 
 def _find_multiscales(group: Any) -> JsonDict:

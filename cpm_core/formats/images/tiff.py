@@ -101,9 +101,9 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         if keyframe.compression not in _UNPACKED_BY_PYTHON:
             require_package("imagecodecs", name)
         depth, (row, col), unit = _read_voxel_size(file, keyframe, number)
-        interval, channels = _read_interval(file, number), _read_channels(file, number)
+        interval, styles = _read_interval(file, number), _read_channel_styles(file, number)
         if keyframe.imagelength * keyframe.imagewidth > MAXIMUM_PIXELS and _color_kind(keyframe) in _SLIDE_COLORS:
-            place = (depth or row, row, col), unit, names, number, *channels
+            place = (depth or row, row, col), unit, names, number, styles
             return stack_from_levels(_open_levels(path, name, series, place))
         check_pixel_count(name, int(keyframe.imagelength), int(keyframe.imagewidth))
         pages = _index_pages(series, name)
@@ -152,8 +152,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         has_plane_spacing=depth is not None,
         has_colors=has_colors,
         interval=interval,
-        channel_names=channels[0],
-        channel_colors=channels[1],
+        channel_styles=styles,
     )
 
 
@@ -376,15 +375,21 @@ def _read_interval(file: tifffile.TiffFile, series: int) -> float | None:
     return _parse_size(given) * _SECONDS.get(unit, 0.0) or None
 
 
-def _read_channels(file: tifffile.TiffFile, series: int) -> tuple[Texts, Texts]:
-    """Read names and colors of the channels, as in `Stack`, from OME or ImageJ."""
-    if not file.ome_metadata:
-        tables = (file.imagej_metadata or {}).get("LUTs", ())
-        return (), tuple(f"#{bytes(np.asarray(table, np.uint8)[:, -1]).hex()}" for table in tables)
-    given = _find_ome_pixels(file.ome_metadata, series).findall("{*}Channel")
-    colors = (one.get("Color", "") for one in given)  # a signed number of 32 bits: red, green, blue, opacity
-    known = tuple(f"#{int(color) >> 8 & 0xFFFFFF:06x}" if color.strip("-").isdecimal() else "" for color in colors)
-    return tuple(make_printable(one.get("Name", "")) for one in given), known
+def _read_channel_styles(file: tifffile.TiffFile, series: int) -> tuple[tuple[str, str], ...]:
+    """Read name and color of each channel, as in `Stack`, from OME or ImageJ."""
+    if file.ome_metadata:
+        channels = _find_ome_pixels(file.ome_metadata, series).findall("{*}Channel")
+        return tuple((make_printable(one.get("Name", "")), _parse_ome_color(one.get("Color"))) for one in channels)
+    tables = (file.imagej_metadata or {}).get("LUTs", ())
+    return tuple(("", f"#{bytes(np.asarray(table, np.uint8)[:, -1]).hex()}") for table in tables)
+
+
+def _parse_ome_color(given: str | None) -> str:
+    """Parse a color of OME: red, green, blue and opacity as a signed number of 32 bits; empty for anything else."""
+    try:
+        return f"#{int(given or '') >> 8 & 0xFFFFFF:06x}"
+    except ValueError:
+        return ""
 
 
 def _find_ome_pixels(description: str, number: int) -> ET.Element:

@@ -49,9 +49,11 @@ def list_channels(parts: FileParts | None) -> tuple[Channel, ...]:
     """
     if parts is None or parts.channels == 1 or parts.has_colors:
         return ()
-    usual, count = tuple(CHANNEL_COLORS), parts.channels
-    names, colors = (
-        given if len(given) == count else ("",) * count for given in (parts.channel_names, parts.channel_colors)
+    usual, styles = tuple(CHANNEL_COLORS), parts.channel_styles
+    if len(styles) != parts.channels:
+        styles = (("", ""),) * parts.channels
+    stated = len({color for _, color in styles}) > 1
+    return tuple(
+        Channel(f"{index + 1} {name}".strip(), (stated and color) or usual[index % len(usual)])
+        for index, (name, color) in enumerate(styles)
     )
-    colors = colors if len(set(colors)) > 1 else ("",) * count
-    return tuple(Channel(f"{k + 1} {names[k]}".strip(), colors[k] or usual[k % len(usual)]) for k in range(count))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QSize, Qt
@@ -14,38 +13,37 @@ from cpm_app.views.layers.image_layer import ImageLayer
 from cpm_app.views.theme.icons import create_swatch
 from cpm_app.views.widgets.actions import ActionButton, add_menu_action
 
-_SHOWN_NAME_LENGTH = 16
+_SHOWN_NAME_LENGTH = 20
 """Largest number of characters of a name that is shown."""
 
 
 class ChannelBar(QToolBar):
     """Switch of the composite, and a button for each channel: shown or not, with a menu of its color.
 
-    The channel that is open is bold; `choose` opens another one by its index. The bar is hidden if there is only one.
+    The channel that is open is bold. The bar is hidden unless there are several.
     """
 
-    def __init__(self, layer: ImageLayer, choose: Callable[[int], object]) -> None:
+    def __init__(self, layer: ImageLayer) -> None:
         super().__init__()
-        self._layer, self._choose = layer, choose
+        self._layer = layer
         self._names: list[str] = []
         self.composite = ActionButton("composite")
         self.composite.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-        self.setIconSize(QSize(14, 14))
         self.buttons: list[QToolButton] = []
         """The buttons of the channels."""
+        self.setIconSize(QSize(14, 14))
         self.addWidget(self.composite)
-        layer.changed.connect(self.show_channels)
+        layer.changed.connect(self._show_channels)
         self.hide()
 
-    def show_channels(self) -> None:
-        """Show the channels of the file, and which of them are shown."""
+    def _show_channels(self) -> None:
         layer, names = self._layer, [channel.name for channel in self._layer.scene.channels]
         if names != self._names:
             self._names = names
             for action in self.actions()[1:]:
-                self.removeAction(action)
                 action.deleteLater()
-            self.buttons = [self._create_button(*each) for each in enumerate(names)]
+            self.buttons = [self._add_button(*each) for each in enumerate(names)]
+            self.setVisible(bool(names))
         for index, (button, look) in enumerate(zip(self.buttons, layer.looks, strict=True)):
             font = button.font()
             font.setBold(index == layer.open_channel)
@@ -53,20 +51,18 @@ class ChannelBar(QToolBar):
             button.setIcon(create_swatch(look.color))
             button.setChecked(look.shown)
             button.setEnabled(layer.is_composite)
-        self.setVisible(bool(names))
 
-    def _create_button(self, index: int, name: str) -> QToolButton:
-        button, menu, layer = QToolButton(), QMenu(self), self._layer
-        button.setText(name if len(name) <= _SHOWN_NAME_LENGTH else f"{name[:_SHOWN_NAME_LENGTH]}…")
-        button.setToolTip(tr("{channel}: show or hide it. A run finds the edges of the channel in bold.", channel=name))
+    def _add_button(self, index: int, name: str) -> QToolButton:
+        """Add the button of a channel."""
+        button, menu, change = QToolButton(), QMenu(self), partial(self._layer.set_look, index)
+        button.setText(name[:_SHOWN_NAME_LENGTH])
+        button.setToolTip(tr("Show or hide the channel {name}. A run works on the one in bold.", name=name))
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         button.setCheckable(True)
-        button.toggled.connect(lambda shown: layer.set_look(index, shown=shown))
-        add_menu_action(menu, tr("&Work on this channel"), partial(self._choose, index))
-        menu.addSeparator()
+        button.toggled.connect(lambda shown: change(shown=shown))
         for color, title in CHANNEL_COLORS.items():
-            add_menu_action(menu, title, partial(layer.set_look, index, color=color)).setIcon(create_swatch(color))
+            add_menu_action(menu, title, partial(change, color=color)).setIcon(create_swatch(color))
         button.setMenu(menu)
         button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
         self.addWidget(button)

@@ -6,9 +6,8 @@ import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QCursor, QMouseEvent
@@ -74,11 +73,11 @@ _MAX_IMMEDIATE_PIXELS = 1 << 22
 
 @frozen
 class ChannelLook:
-    """How a composite shows a channel: in which color and range of gray values; `window` is one set by hand."""
+    """How a composite shows a channel; it has a range of its own once it has been open."""
 
     shown: bool
     color: str
-    range: Literal["file", "0", "0.1", "1", "5", "hand"] = "file"
+    range: str = ""
     window: tuple[float, float] | None = None
 
 
@@ -169,33 +168,36 @@ class ImageLayer(Layer):
 
     def view_state(self) -> dict[str, object]:
         """Return the state, with the channels, and the window if it was set by hand."""
-        state = {**super().view_state(), **({"channels": to_json(self.looks)} if self.looks else {})}
+        state = {**super().view_state(), "channels": to_json(self.looks)}
         return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == _MANUAL_RANGE else state
 
     def use_view_state(self, state: dict[str, object]) -> None:
-        """Restore the state and the window."""
+        """Restore the state, the channels and the window."""
+        kept = state.get("channels")
+        if self.looks and isinstance(kept, list) and len(kept) == len(self.looks):
+            with suppress(ValueError):
+                self.looks = tuple(from_json(ChannelLook, look, "channel") for look in kept)
+                look = self.looks[self.open_channel]
+                window = look.window or self.window
+                state = {**state, "range": look.range, "low": window[0], "high": window[1]}
         super().use_view_state(state)
         low, high = state.get("low"), state.get("high")
         if self.get_choice("range") == _MANUAL_RANGE and isinstance(low, int | float) and isinstance(high, int | float):
             self.set_window(float(low), float(high))
-        kept = state.get("channels")
-        if not self.looks or not isinstance(kept, list) or len(kept) != len(self.looks):
-            return
-        with suppress(ValueError):
-            self.looks = tuple(from_json(ChannelLook, look, "channel") for look in kept)
-            look, image = self.looks[self.open_channel], self.scene.full_image
-            has_way = look.range != _FILE_RANGE or (image is not None and image.window is not None)
-            self.option_values["range"] = look.range if has_way else WHOLE_RANGE
-            self._apply_window(*look.window) if look.window else self._apply_range()
 
     @property
     def is_composite(self) -> bool:
         """Whether all channels of the file are shown together."""
         return bool(self.looks) and self.get_choice("shown") == _SHOW_COLORS
 
-    def set_composite(self, composite: bool) -> None:
+    def toggle_composite(self) -> None:
         """Show all channels together, or the open one alone."""
-        self.set_option("shown", _SHOW_COLORS if composite else _SHOW_CHANNEL)
+        self.set_option("shown", _SHOW_CHANNEL if self.is_composite else _SHOW_COLORS)
+
+    @property
+    def wanted_channels(self) -> frozenset[int]:
+        """Indices of the channels that a composite shows."""
+        return frozenset(index for index, look in enumerate(self.looks) if look.shown and self.is_composite)
 
     @property
     def open_channel(self) -> int:
@@ -207,12 +209,10 @@ class ImageLayer(Layer):
     def shown_channels(self) -> Mapping[int, tuple[Image, IntensityWindow, str]]:
         """The other channels that a composite shows, as far as they have been read, each with its window and color."""
         found, gamma = {}, self.get_amount("gamma")
-        for index, channel in enumerate((self.scene.whole or self.scene).channels if self.is_composite else ()):
-            look, image = self.looks[index], channel.image
-            if look.shown and image is not None:
-                way, name = look.range, ("window", index)
-                find = partial(_find_window, image, way)
-                low, high = look.window or self._parts.get_named(name, find, image, way)
+        for index in self.wanted_channels:
+            image, look = (self.scene.whole or self.scene).channels[index].image, self.looks[index]
+            if image is not None:
+                low, high = look.window or image.window or image.shown_range
                 found[index] = image, IntensityWindow(low, high, gamma), look.color
         return found
 
@@ -235,7 +235,13 @@ class ImageLayer(Layer):
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
         whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
-            self._reset_looks(before)
+            names = [[channel.name for channel in each.channels] for each in (scene, before)]
+            if names[0] == names[1]:
+                self.looks = tuple(replace(look, range="", window=None) for look in self.looks)
+            else:
+                self.looks = tuple(
+                    ChannelLook(index < _MAX_CHANNELS_AT_FIRST, each.color) for index, each in enumerate(scene.channels)
+                )
             self.gray_range = self.window = whole.shown_range
             usual = [window_from_level(window) for _, window in CT_WINDOWS.values()] if whole.is_ct else []
             low, high = zip(self.gray_range, whole.window or self.gray_range, *usual, strict=True)
@@ -255,28 +261,20 @@ class ImageLayer(Layer):
         if shaded not in (None, before.shaded) and (shaded.image, shaded.window, shaded.channel) == wanted:
             self._show_image(shaded.display)
 
-    def _reset_looks(self, before: Scene) -> None:
-        """Keep the looks for a file with the same channels, except for windows; else begin with those of the file."""
-        known = [[(each.name, each.color) for each in scene.channels] for scene in (self.scene, before)]
-        if known[0] == known[1]:
-            self.looks = tuple(replace(look, range="file", window=None) for look in self.looks)
-        else:
-            self.looks = tuple(
-                ChannelLook(index < _MAX_CHANNELS_AT_FIRST, color) for index, (_, color) in enumerate(known[0])
-            )
-
     def _apply_range(self) -> None:
         """Set the window from the selected range."""
         way, image = self.get_choice("range"), self.scene.full_image
         if image is None or way == _MANUAL_RANGE:
             return
-        self._apply_window(*_find_window(image, way))
+        if way in (WHOLE_RANGE, _FILE_RANGE):
+            self._apply_window(*((way == _FILE_RANGE and image.window) or self.gray_range))
+        else:
+            self._apply_window(*percentile_window(image.values, float(way)))
 
     def _apply_window(self, low: float, high: float) -> None:
         self.window = (low, high)
         if self.looks:
-            way = self.get_choice("range")
-            self._replace_look(self.open_channel, range=way, window=self.window if way == _MANUAL_RANGE else None)
+            self._replace_look(self.open_channel, range=self.get_choice("range"), window=self.window)
         self._update_shades()
         self.changed.emit()
 
@@ -300,17 +298,15 @@ class ImageLayer(Layer):
         display = display or self._item.display
         if display is not None:
             self._apply_colors()
-            others = ((self._shade_channel(index, window), color)
-                      for index, (_, window, color) in self.shown_channels.items())  # fmt: skip
-            self._item.show_image(display, tuple(others))
+            others = tuple((self._shade_channel(*each), each[1][2]) for each in self.shown_channels.items())
+            self._item.show_image(display, others)
 
-    def _shade_channel(self, index: int, window: IntensityWindow) -> DisplayImage:
+    def _shade_channel(self, index: int, shown: tuple[Image, IntensityWindow, str]) -> DisplayImage:
         """Shade another channel, or a slice of it."""
-        channel, whole = self.scene.channels[index], (self.scene.whole or self.scene).channels[index].image
-        image = channel.image
-        assert image is not None and whole is not None
+        channel, (whole, window, _) = self.scene.channels[index], shown
         if channel.display is not None and window == IntensityWindow(*whole.shown_range):
             return channel.display
+        image = channel.image or whole
         return self._parts.get_named(index, lambda: DisplayImage.from_image(image, window), image, window)
 
     @property
@@ -332,13 +328,6 @@ class ImageLayer(Layer):
         if image is None or (image.colors is not None and self.get_choice("shown") == _SHOW_COLORS):
             return None
         return image.resolve_channel(self.scene.document.parameters.channel)
-
-
-def _find_window(image: Image, way: str) -> Window:
-    """Find the window of a range of gray values that is not set by hand."""
-    if way in (WHOLE_RANGE, _FILE_RANGE, _MANUAL_RANGE):
-        return (way == _FILE_RANGE and image.window) or image.shown_range
-    return percentile_window(image.stored, float(way))
 
 
 _FULL_DRAG_LENGTH = 400.0

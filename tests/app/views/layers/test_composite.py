@@ -71,8 +71,12 @@ def wait_for_channels(window, hand) -> None:
 
 
 def choose(window, hand, channel: int) -> None:
-    """Work on another channel, by the menu of its button."""
-    bar(window).buttons[channel].menu().actions()[0].trigger()
+    """Work on another channel, by the number of it."""
+    field = window.get_feature(PagesFeature).bar.number
+    field.setFocus()
+    field.selectAll()
+    hand.qtbot.keyClicks(field, str(channel + 1))
+    hand.qtbot.keyClick(field, Qt.Key.Key_Return)
     hand.wait(lambda: layer(window).open_channel == channel and window.session.idle)
     wait_for_channels(window, hand)
 

@@ -145,6 +145,6 @@ def test_positions_of_an_nd2_are_series(calibrated):
     sizes = {"P": 2, "C": 3, "Z": 9, "Y": 10, "X": 12}
     file = SimpleNamespace(metadata=metadata, sizes=sizes, dtype=values.dtype, to_dask=lambda: values)
     first, second = microscopy._list_nd2_positions(file)
-    assert (first.names, first.colors) == (("DAPI",), ("#0000ff",))
+    assert first.channel_styles == (("DAPI", "#0000ff"),)
     assert first.steps == (pytest.approx(STEPS) if calibrated else {})
     assert np.array_equal(second.read_part({"C": 1, "Z": slice(2, 4)}), VALUES[1, 1, 2:4])
