@@ -23,7 +23,7 @@ class ChannelsFeature(Feature):
         # later: the layer changes before a session has restored which channels it shows
         layer.changed.connect(lambda: window.turns.schedule_work(read_channels))
         self.actions = (
-            ActionSpec("composite", "View", "C&omposite of the channels",
+            ActionSpec("composite", "View", "Co&mposite of the channels",
                        "Show all channels of the file together, each in its color, or only the one of the run.",
                        layer.toggle_composite, short=tr("Composite"),
                        visible_when=lambda _: bool(layer.looks), checked_when=lambda _: layer.is_composite),
