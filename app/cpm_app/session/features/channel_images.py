@@ -58,7 +58,7 @@ class ChannelImages(QObject):
         part = opened.path, opened.sha256, replace(opened.reading, channel=None), opened.image.shape
         if part != self._part:
             self._task.cancel()
-            self._part, self._known = part, {}
+            self._part, self._known, self._task = part, {}, ENDED_TASK
         if self._listed:
             self._known[here] = replace(self._listed[here], image=opened.image, display=opened.display)
             self.show(self._known.keys())

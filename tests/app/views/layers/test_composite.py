@@ -188,6 +188,17 @@ def test_the_channels_of_a_volume_are_seen_in_all_slices_in_space_and_at_other_t
     assert hand.color_at(13.5, 21.0) == (0, 255, 255)
 
 
+def test_a_file_that_is_opened_while_channels_of_another_are_read_is_complete(window, hand, tmp_path) -> None:
+    for name, pixels in (("one.tif", squares()), ("other.tif", squares()[:, ::-1, ::-1])):
+        tifffile.imwrite(tmp_path / name, pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    window.session.open_file(tmp_path / "one.tif")
+    hand.wait(lambda: window.workspace.channel_images._wanted == {0, 1, 2})
+    window.session.open_file(tmp_path / "other.tif")
+    hand.wait(lambda: window.session.document.image.name == "other.tif")
+    wait_for_channels(window, hand)
+    assert colors(hand) == [(255, 0, 0), (0, 255, 0), (0, 0, 255)]
+
+
 def test_red_green_and_blue_are_no_channels_of_a_composite(window, hand, tmp_path) -> None:
     tifffile.imwrite(tmp_path / "rgb.tif", np.moveaxis(squares(), 0, -1).astype(np.uint8), photometric="rgb")
     open_file(window, hand, tmp_path / "rgb.tif")
