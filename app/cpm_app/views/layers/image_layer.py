@@ -235,6 +235,7 @@ class ImageLayer(Layer):
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
         whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
+            self._parts.clear()
             names = [[channel.name for channel in each.channels] for each in (scene, before)]
             if names[0] == names[1]:
                 self.looks = tuple(replace(look, range="", window=None) for look in self.looks)
@@ -307,7 +308,13 @@ class ImageLayer(Layer):
         if channel.display is not None and window == IntensityWindow(*whole.shown_range):
             return channel.display
         image = channel.image or whole
-        return self._parts.get_named(index, lambda: DisplayImage.from_image(image, window), image, window)
+
+        def make_display() -> DisplayImage:
+            if image.stored.size > _MAX_IMMEDIATE_PIXELS:
+                return DisplayImage.from_visible(image.stored, window)
+            return DisplayImage.from_image(image, window)
+
+        return self._parts.get_named(index, make_display, image, window)
 
     @property
     def color_table(self) -> Pixels:

@@ -9,6 +9,7 @@ from cpm_app.session.features import channel_images
 from cpm_app.views.features.channels import ChannelsFeature
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
+from cpm_app.views.layers import image_layer
 from PySide6.QtCore import Qt
 
 from tests.app.views.volume.conftest import ball, open_file
@@ -186,6 +187,21 @@ def test_the_channels_of_a_volume_are_seen_in_all_slices_in_space_and_at_other_t
     hand.wait(lambda: window.workspace.pages.number == 2 and window.session.idle)
     wait_for_channels(window, hand)
     assert hand.color_at(13.5, 21.0) == (0, 255, 255)
+
+
+def test_channels_of_large_images_have_ranges_of_their_own_at_any_magnification(
+    window, hand, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr(image_layer, "_MAX_IMMEDIATE_PIXELS", 10)
+    pixels = squares().repeat(8, axis=1).repeat(8, axis=2)
+    tifffile.imwrite(tmp_path / "large.tif", pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    open_channels(window, hand, tmp_path / "large.tif")
+    layer(window)._replace_look(1, window=(0.0, 3.0 * SHADES[1]))
+    layer(window).set_look(0, shown=False)
+    places = [(160.0, 120.0 + 240.0 * channel) for channel in range(3)]
+    assert [hand.color_at(*place) for place in places] == [(0, 0, 0), (0, 85, 0), (255, 0, 0)]
+    hand.canvas.look_at(places[1], 20.0)
+    assert hand.color_at(*places[1]) == (0, 85, 0)
 
 
 def test_a_file_that_is_opened_while_channels_of_another_are_read_is_complete(window, hand, tmp_path) -> None:
