@@ -100,6 +100,21 @@ def test_channels_without_colors_get_the_usual_ones_and_each_is_switched_by_a_cl
     assert not bar(composite).buttons[1].isEnabled()
 
 
+def test_many_channels_are_reached_by_scrolling_and_seven_are_shown_at_first(composite, hand, tmp_path) -> None:
+    pixels, names = np.tile(squares(), (5, 1, 1)), [f"marker {index}" for index in range(15)]
+    tifffile.imwrite(tmp_path / "many.ome.tif", pixels, photometric="minisblack",
+                     metadata={"axes": "CYX", "Channel": {"Name": names}})  # fmt: skip
+    low = bar(composite).height()
+    open_channels(composite, hand, tmp_path / "many.ome.tif")
+    assert [button.isChecked() for button in bar(composite).buttons] == [True] * 7 + [False] * 8
+    scroll_bar = bar(composite).horizontalScrollBar()
+    hand.wait(lambda: scroll_bar.maximum() > 0)
+    assert bar(composite).height() > low
+    bar(composite).buttons[-1].setFocus()
+    bar(composite).ensureWidgetVisible(bar(composite).buttons[-1])
+    assert not bar(composite).buttons[-1].visibleRegion().isEmpty()
+
+
 def test_light_of_channels_adds_up_to_white_at_most(window, hand, tmp_path) -> None:
     pixels = squares()
     pixels[1] = pixels[2] = pixels[0]
