@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from cpm_app.views.features.animation import AnimationFeature
-from cpm_app.views.features.channels import ChannelsFeature
 from cpm_app.views.features.compare import CompareFeature
 from cpm_app.views.features.edit import DrawFeature, ModesFeature, UndoSelectionFeature
 from cpm_app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFeature, ImportFeature
@@ -51,7 +50,6 @@ WINDOW_FEATURES: tuple[type[Feature], ...] = (
     CompareFeature,
     SlicesFeature,
     PagesFeature,
-    ChannelsFeature,
     SpaceFeature,
     MeasuresFeature,
     KeyboardFeature,

@@ -132,7 +132,7 @@ class ImageLayer(Layer):
         """Gray values shown as black and white at first, `Image.shown_range`; the same now."""
         self.window_bounds = self.gray_range
         """Bounds of a window set by hand: the gray range, extended by that of the file and the usual ones of CT."""
-        self.looks: tuple[ChannelLook, ...] = ()
+        self.looks: list[ChannelLook] = []
         """How a composite shows each channel of the file; none without channels."""
         self._parts = IdentityCache()
 
@@ -176,7 +176,7 @@ class ImageLayer(Layer):
         kept = state.get("channels")
         if self.looks and isinstance(kept, list) and len(kept) == len(self.looks):
             with suppress(ValueError):
-                self.looks = tuple(from_json(ChannelLook, look, "channel") for look in kept)
+                self.looks = [from_json(ChannelLook, look, "channel") for look in kept]
                 look = self.looks[self.open_channel]
                 window = look.window or self.window
                 state = {**state, "range": look.range, "low": window[0], "high": window[1]}
@@ -218,14 +218,9 @@ class ImageLayer(Layer):
 
     def set_look(self, channel: int, **changes: Any) -> None:
         """Show or hide a channel, by its index, or change its color."""
-        self._replace_look(channel, **changes)
+        self.looks[channel] = replace(self.looks[channel], **changes)
         self._show_image()
         self.changed.emit()
-
-    def _replace_look(self, channel: int, **changes: Any) -> None:
-        looks = [*self.looks]
-        looks[channel] = replace(looks[channel], **changes)
-        self.looks = tuple(looks)
 
     def show_scene(self, before: Scene) -> None:
         """Show another image, or shades that were requested."""
@@ -236,13 +231,11 @@ class ImageLayer(Layer):
         whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
             self._parts.clear()
-            names = [[channel.name for channel in each.channels] for each in (scene, before)]
-            if names[0] == names[1]:
-                self.looks = tuple(replace(look, range="", window=None) for look in self.looks)
-            else:
-                self.looks = tuple(
+            if [each.name for each in scene.channels] != [each.name for each in before.channels]:
+                self.looks = [
                     ChannelLook(index < _MAX_CHANNELS_AT_FIRST, each.color) for index, each in enumerate(scene.channels)
-                )
+                ]
+            self.looks = [replace(look, range="", window=None) for look in self.looks]
             self.gray_range = self.window = whole.shown_range
             usual = [window_from_level(window) for _, window in CT_WINDOWS.values()] if whole.is_ct else []
             low, high = zip(self.gray_range, whole.window or self.gray_range, *usual, strict=True)
@@ -275,7 +268,8 @@ class ImageLayer(Layer):
     def _apply_window(self, low: float, high: float) -> None:
         self.window = (low, high)
         if self.looks:
-            self._replace_look(self.open_channel, range=self.get_choice("range"), window=self.window)
+            look = self.looks[self.open_channel]
+            self.looks[self.open_channel] = replace(look, range=self.get_choice("range"), window=self.window)
         self._update_shades()
         self.changed.emit()
 

@@ -63,9 +63,7 @@ def color_table(name: str, entries: int = 256, begin: float = 0.0) -> ColorTable
 @lru_cache(maxsize=32)
 def ramp_table(color: str) -> ColorTable:
     """Return the shades of a color from black, shape (256, 3)."""
-    brightest = QColor(color)
-    colors = np.outer(np.arange(256), (brightest.red(), brightest.green(), brightest.blue())) / 255.0
-    return np.rint(colors).astype(np.uint8)
+    return np.rint(np.outer(np.arange(256), QColor(color).getRgb()[:3]) / 255.0).astype(np.uint8)  # type: ignore[index]
 
 
 def draw_color_strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:

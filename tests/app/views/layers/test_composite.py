@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import tifffile
 from cpm_app.session.features import channel_images
-from cpm_app.views.features.channels import ChannelsFeature
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
 from cpm_app.views.layers import image_layer
@@ -45,7 +44,7 @@ def layer(window):
 
 
 def bar(window):
-    return window.get_feature(ChannelsFeature).bar
+    return window.get_feature(PagesFeature).channels
 
 
 def colors(hand) -> list[tuple[int, int, int]]:
@@ -169,7 +168,7 @@ def test_a_session_brings_back_the_looks_of_channels_and_reads_none_that_is_off(
     saved = tmp_path / "kept.cpm"
     composite.get_feature(OpenSaveFeature).document_file.save_and_wait(saved)
     open_file(composite, hand, image_file)
-    assert not bar(composite).isVisible() and layer(composite).looks == ()
+    assert not bar(composite).isVisible() and layer(composite).looks == []
     read, load = [], channel_images.load_channel
     monkeypatch.setattr(channel_images, "load_channel", lambda *given: read.append(given[1].channel) or load(*given))
     composite.open_image(str(saved))
@@ -211,7 +210,7 @@ def test_channels_of_large_images_have_ranges_of_their_own_at_any_magnification(
     pixels = squares().repeat(8, axis=1).repeat(8, axis=2)
     tifffile.imwrite(tmp_path / "large.tif", pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
     open_channels(window, hand, tmp_path / "large.tif")
-    layer(window)._replace_look(1, window=(0.0, 3.0 * SHADES[1]))
+    layer(window).set_look(1, window=(0.0, 3.0 * SHADES[1]))
     layer(window).set_look(0, shown=False)
     places = [(160.0, 120.0 + 240.0 * channel) for channel in range(3)]
     assert [hand.color_at(*place) for place in places] == [(0, 0, 0), (0, 85, 0), (255, 0, 0)]
