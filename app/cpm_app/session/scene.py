@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import field
 from functools import cached_property
 
+from cpm_app.model.display.channels import Channel
 from cpm_app.model.display.differences import Difference, SurfaceDifference
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.model.display.second_image import SecondImage
@@ -169,6 +170,8 @@ class Scene:
         Particles of a volume that are shown in a slice.
     second : SecondImage or None
         The second image, which lies over the first.
+    channels : tuple of Channel
+        The channels of the file; none where there is only one, or where they are red, green and blue.
     whole : Scene or None
         The scene of the volume, in that of a slice.
     """
@@ -194,6 +197,7 @@ class Scene:
     volume: Image | None = None
     near_particles: NearParticles | None = None
     second: SecondImage | None = None
+    channels: tuple[Channel, ...] = ()
     whole: Scene | None = None
 
     @property

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QObject, Qt, QTimer, Signal
 
+from cpm_app.model.display.channels import list_channels
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.document.modes import MODES, adapt_shapes_to_mode, initial_parameters, needs_start, switch_mode
@@ -549,7 +550,8 @@ class Session(QObject):
         first = next((shape for shape in document.shapes if isinstance(shape, Sphere)), None)
         if slices is not None and first is not None:
             slices = slices.with_voxel(first.center)
-        self.store.set_scene(Scene(opened.image, opened.display, document=document, slices=slices))
+        channels = list_channels(opened.parts)
+        self.store.set_scene(Scene(opened.image, opened.display, document=document, slices=slices, channels=channels))
         self.image_changed.emit()
         self.store.clear_run()
         self.run_updater.clear()

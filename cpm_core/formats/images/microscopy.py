@@ -39,6 +39,8 @@ class _Scene(NamedTuple):
         Type of the samples.
     read_part : callable
         Reads a part by index, or by slice, of each axis that is named; axes of length 1 may be missing in it.
+    channel_styles : tuple of (str, str)
+        As in `Stack`.
     """
 
     name: str
@@ -46,6 +48,7 @@ class _Scene(NamedTuple):
     steps: Mapping[str, float]
     dtype: np.dtype[Any]
     read_part: Callable[[Mapping[str, int | slice]], Numbers]
+    channel_styles: tuple[tuple[str, str], ...] = ()
 
 
 def _list_czi_scenes(file: Any) -> list[_Scene]:
@@ -85,6 +88,8 @@ def _list_lif_images(file: Any) -> list[_Scene]:
 def _list_nd2_positions(file: Any) -> list[_Scene]:
     """List the positions of an ND2, which are images of their own."""
     volume = file.metadata.channels[0].volume
+    stated = (one.channel for one in file.metadata.channels)
+    styles = tuple((make_printable(one.name), one.color.as_hex()) for one in stated)
     known = zip("XYZ", volume.axesCalibrated, volume.axesCalibration, strict=True)
     sizes, steps = dict(file.sizes), {axis: 1e-6 * step for axis, is_known, step in known if is_known}
     count, data = sizes.pop("P", 1), file.to_dask()
@@ -94,7 +99,7 @@ def _list_nd2_positions(file: Any) -> list[_Scene]:
             chosen = {"P": number, **part}
             return np.asarray(data[tuple(chosen.get(axis, slice(None)) for axis in file.sizes)])
 
-        return _Scene(f"position {number + 1}", sizes, steps, file.dtype, read_part)
+        return _Scene(f"position {number + 1}", sizes, steps, file.dtype, read_part, styles)
 
     return [list_position(number) for number in range(count)]
 
@@ -163,6 +168,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         series=names,
         series_number=number,
         has_plane_spacing=deep > 0.0,
+        channel_styles=scene.channel_styles,
     )
 
 

@@ -35,6 +35,8 @@ class MultiscaleImage:
         Names of all images of the file; empty if it holds only one.
     series_number : int
         Index of this image among them, from 0.
+    channel_styles : tuple of (str, str)
+        As in `Stack`.
     """
 
     name: str
@@ -44,6 +46,7 @@ class MultiscaleImage:
     unit: str | None = None
     series: Texts = ()
     series_number: int = 0
+    channel_styles: tuple[tuple[str, str], ...] = ()
 
     def axis_length(self, axis: str, level: int = 0) -> int:
         """Return the length of an axis given by its letter; 1 if there is none."""

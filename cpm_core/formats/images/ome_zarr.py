@@ -77,7 +77,10 @@ def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage
     named = {one["name"]: str(one.get("unit") or "") for one in axes}
     sides = [float(sizes.get(axis, sizes.get("y", 1.0))) for axis in "zyx"]
     spacing, unit = resolution.spacing_from_sizes(sides, [named.get(axis, "") for axis in "zyx"])
-    return MultiscaleImage(name, levels, letters, spacing, unit, series, number)  # type: ignore[arg-type]
+    known = dict(group.attrs)
+    channels = known.get("ome", known).get("omero", {}).get("channels", ())
+    styles = tuple((make_printable(one.get("label", "")), f"#{one.get('color', '')}".lower()) for one in channels)
+    return MultiscaleImage(name, levels, letters, spacing, unit, series, number, styles)  # type: ignore[arg-type]
 
 
 def _find_multiscales(group: Any) -> JsonDict:

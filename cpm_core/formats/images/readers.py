@@ -324,6 +324,14 @@ def _load_part(
     return _build_image(decoded, file, reading, sha256.result())
 
 
+def load_channel(path: AnyPath, reading: Reading, in_volume: bool, sha256: str) -> Image:
+    """Read a channel of a file whose hash is known, as a volume or as an image; ValueError as for `load_image`."""
+    file = Path(path)
+    with explain_image_errors(file):
+        decoded = (read_volume if in_volume else read_plane)(_open_file(file, reading), reading)
+    return _build_image(decoded, file, reading, sha256)
+
+
 def _build_image(decoded: DecodedImage, file: Path, reading: Reading, sha256: str) -> Image:
     """Build the image, with the gray levels and the pixel size that were requested."""
     values, notes, colors = decoded.values, decoded.notes, decoded.colors

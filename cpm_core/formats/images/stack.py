@@ -82,6 +82,8 @@ class Stack:
         All resolutions of an image that is read in parts; None for other images.
     interval : float or None
         Time between two points in time [s], if the file states it.
+    channel_styles : tuple of (str, str)
+        Name and color, as #rrggbb, of each channel, empty where the file does not state them; () if it states none.
     """
 
     name: str
@@ -105,6 +107,7 @@ class Stack:
     has_colors: bool = False
     levels: MultiscaleImage | None = None
     interval: float | None = None
+    channel_styles: tuple[tuple[str, str], ...] = ()
 
     @property
     def default_plane(self) -> int:
@@ -252,6 +255,7 @@ def stack_from_levels(levels: MultiscaleImage) -> Stack:
         series=levels.series,
         series_number=levels.series_number,
         levels=levels,
+        channel_styles=levels.channel_styles,
     )
 
 

@@ -101,9 +101,9 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         if keyframe.compression not in _UNPACKED_BY_PYTHON:
             require_package("imagecodecs", name)
         depth, (row, col), unit = _read_voxel_size(file, keyframe, number)
-        interval = _read_interval(file, number)
+        interval, styles = _read_interval(file, number), _read_channel_styles(file, number)
         if keyframe.imagelength * keyframe.imagewidth > MAXIMUM_PIXELS and _color_kind(keyframe) in _SLIDE_COLORS:
-            place = (depth or row, row, col), unit, names, number
+            place = (depth or row, row, col), unit, names, number, styles
             return stack_from_levels(_open_levels(path, name, series, place))
         check_pixel_count(name, int(keyframe.imagelength), int(keyframe.imagewidth))
         pages = _index_pages(series, name)
@@ -111,6 +111,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         if len(all_series) == 1 and pages.size < int(hyperstack.get("images", 1)):
             raise ValueError("it has fewer images than its description says")
         curve, calibrated = _parse_calibration(hyperstack, keyframe)
+        ranges = hyperstack.get("Ranges", ())
         bands = _count_bands(keyframe)
         size = dict(zip(series.axes, series.shape, strict=True))
         sides = (int(size["Y"]), int(size["X"]))
@@ -129,7 +130,10 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
             channel, band = divmod(channel, bands)
         with tifffile.TiffFile(path) as file:
             found = _decode_pages(_list_series(file)[number], pages[time, channel, first:end], band, name)
-        return replace(found, values=np.polynomial.Polynomial(curve)(found.values)) if curve else found
+        if curve:
+            return replace(found, values=np.polynomial.Polynomial(curve)(found.values))
+        low, high = ranges[2 * channel : 2 * channel + 2] or (0.0, 0.0)
+        return replace(found, window=(low, high)) if low < high and found.colors is None else found
 
     return Stack(
         name,
@@ -148,6 +152,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         has_plane_spacing=depth is not None,
         has_colors=has_colors,
         interval=interval,
+        channel_styles=styles,
     )
 
 
@@ -177,7 +182,7 @@ def _open_levels(path: Path, name: str, series: tifffile.TiffPageSeries, place: 
     if not set("yx") <= set(axes) <= set("tczyxs") or len(set(axes)) < len(axes):
         raise UnreadableError(f"{name} has the axes {series.axes}: save one volume or plane of it.")
     arrays = tuple(
-        _TiffLevel(path, place[-1], number, tuple(level.shape), level.dtype)
+        _TiffLevel(path, place[3], number, tuple(level.shape), level.dtype)
         for number, level in enumerate(series.levels)
     )
     return MultiscaleImage(name, arrays, axes, *place)
@@ -370,15 +375,33 @@ def _read_interval(file: tifffile.TiffFile, series: int) -> float | None:
     return _parse_size(given) * _SECONDS.get(unit, 0.0) or None
 
 
-def _find_ome_pixels(description: str, number: int) -> Mapping[str, str]:
-    """Find the attributes of the pixels of an image in the metadata of OME, by its number; empty if there are none."""
+def _read_channel_styles(file: tifffile.TiffFile, series: int) -> tuple[tuple[str, str], ...]:
+    """Read name and color of each channel, as in `Stack`, from OME or ImageJ."""
+    if file.ome_metadata:
+        channels = _find_ome_pixels(file.ome_metadata, series).findall("{*}Channel")
+        return tuple((make_printable(one.get("Name", "")), _parse_ome_color(one.get("Color"))) for one in channels)
+    tables = (file.imagej_metadata or {}).get("LUTs", ())
+    return tuple(("", f"#{bytes(np.asarray(table, np.uint8)[:, -1]).hex()}") for table in tables)
+
+
+def _parse_ome_color(given: str | None) -> str:
+    """Parse a color of OME: red, green, blue and opacity as a signed number of 32 bits; empty for anything else."""
+    try:
+        return f"#{int(given or '') >> 8 & 0xFFFFFF:06x}"
+    except ValueError:
+        return ""
+
+
+def _find_ome_pixels(description: str, number: int) -> ET.Element:
+    """Find the pixels of an image in the metadata of OME, by its number; without attributes if there are none."""
+    none = ET.Element("Pixels")
     if "<!DOCTYPE" in description:  # OME has none; entities of its own could grow without limit
-        return {}
+        return none
     try:
         found = ET.fromstring(description).findall(".//{*}Pixels")
     except ET.ParseError:
-        return {}
-    return found[number].attrib if number < len(found) else {}
+        return none
+    return found[number] if number < len(found) else none
 
 
 def _parse_size(given: object) -> float:

@@ -15,7 +15,7 @@ from cpm_core import Image
 from cpm_core.image.gray_levels import sample_values
 from cpm_core.numerics import Array
 from cpm_core.numerics.grids import run_in_bands
-from cpm_core.numerics.types import Extent, Mask, Pixels, frozen, record
+from cpm_core.numerics.types import Extent, Mask, Numbers, Pixels, frozen, record
 
 _VALUES_PER_BAND = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which makes it several times faster."""
@@ -44,7 +44,7 @@ class IntensityWindow:
 
 @record
 class FileLevel:
-    """Shades of a level that is read from a file only where it is visible."""
+    """Shades of a level that is read from a file, or computed, only where it is visible."""
 
     values: Any
     window: IntensityWindow
@@ -114,6 +114,13 @@ class DisplayImage:
         finest = max(0, math.ceil(math.log2(max(values.shape) / _PREVIEW_SIDE)))
         some = values[:: 2**finest, :: 2**finest]
         return replace(DisplayImage.from_shades(apply_window(some, window)), finest=finest, size=values.shape)
+
+    @staticmethod
+    def from_visible(values: Numbers, window: IntensityWindow) -> DisplayImage:
+        """Return the shades of gray values, shape (H, W), computed only where they are visible, of every n-th pixel."""
+        count = max(0, math.ceil(math.log2(max(values.shape) / _OVERVIEW_SIDE))) + 1
+        levels = tuple(FileLevel(values[:: 2**level, :: 2**level], window) for level in range(count))
+        return DisplayImage(levels, size=values.shape)
 
     @property
     def shades(self) -> Pixels:

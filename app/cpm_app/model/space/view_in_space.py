@@ -12,7 +12,7 @@ from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import Picture, draw_balls, draw_lines
 from cpm_app.model.space.triangles import CutPlane, SurfaceMesh, draw_mesh
 from cpm_app.model.space.voxels import ShadedVolume, draw_projection, draw_slice
-from cpm_app.model.volume.slices import Slices
+from cpm_app.model.volume.slices import Slice, Slices
 from cpm_core import Image
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Pixels, frozen, record
@@ -25,9 +25,6 @@ AXIS_COLORS = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 
 GRAY_TABLE = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
 """Color table that shows shades as they are."""
-
-NO_COLORS = np.zeros((256, 4), np.uint8)
-"""Colors and opacities of shades that are not seen."""
 
 _OBJECT_OFFSET_VOXELS = 2.0
 """Distance that objects are drawn nearer than they are [smallest sides of a voxel]."""
@@ -98,6 +95,20 @@ class ColoredMesh:
 
 
 @record
+class Overlay:
+    """A volume over another: the color of each shade, times its opacity, and the opacity, (256, 4); light, (256, 3)."""
+
+    shaded: ShadedVolume
+    table: Pixels
+
+    def blend(self, colors: Pixels, shades: Pixels) -> None:
+        """Blend shades, shape (H, W), into colors, shape (H, W, 3), in place; light is added up to white."""
+        over = self.table[shades]
+        clear = 1.0 - over[..., 3:].sum(axis=-1, keepdims=True, dtype=np.float32) / 255.0
+        colors[:] = np.rint(np.minimum(over[..., :3] + clear * colors, 255.0))
+
+
+@record
 class ViewInSpace:
     """Everything that could be seen of a volume, and which of it is shown.
 
@@ -115,10 +126,8 @@ class ViewInSpace:
         The shapes that the user has drawn.
     table : ndarray of uint8, shape (256, 3)
         Color of each shade.
-    second : ShadedVolume or None
-        The second image; slices and brightest voxels show it over those of the volume.
-    second_table : ndarray of uint8, shape (256, 4)
-        Color and opacity of each of its shades.
+    overlays : tuple of Overlay
+        Other channels and the second image; slices and brightest voxels show them over those of the volume.
     objects : tuple of ColoredMesh
         Accepted objects, and proposals.
     truth : tuple of ColoredMesh
@@ -134,8 +143,7 @@ class ViewInSpace:
     mesh: SurfaceMesh | None = None
     wires: Wires | None = None
     table: Pixels = field(default_factory=lambda: GRAY_TABLE)
-    second: ShadedVolume | None = None
-    second_table: Pixels = field(default_factory=lambda: NO_COLORS)
+    overlays: tuple[Overlay, ...] = ()
     objects: tuple[ColoredMesh, ...] = ()
     truth: tuple[ColoredMesh, ...] = ()
     shown: ShownParts = field(default_factory=ShownParts)
@@ -159,15 +167,15 @@ class ViewInSpace:
         picture, shown, spacing = Picture.blank(size, BACKGROUND_COLOR), self.shown, self.image.spacing
         if shown.projection:
             draw_projection(picture, self.shaded, camera, spacing, self.table)
-            if self.second is not None:
+            for overlay in self.overlays:
                 brightest = Picture.blank(size, (0, 0, 0))
-                draw_projection(brightest, self.second, camera, spacing, GRAY_TABLE)
-                self._blend_second(picture.colors, brightest.colors[..., 0])
+                draw_projection(brightest, overlay.shaded, camera, spacing, GRAY_TABLE)
+                overlay.blend(picture.colors, brightest.colors[..., 0])
         if shown.slices:
             for place in map(self.slices.slice_across, range(3)):
-                colors = self.table[apply_window(place.slice_array(self.shaded.values), self.shaded.window)]
-                if self.second is not None:
-                    self._blend_second(colors, place.slice_array(self.second.voxels))
+                colors = self.table[_shade_slice(place, self.shaded)]
+                for overlay in self.overlays:
+                    overlay.blend(colors, _shade_slice(place, overlay.shaded))
                 draw_slice(picture, place, colors, camera, spacing)
         if shown.box:
             self._draw_box(picture, camera)
@@ -177,12 +185,6 @@ class ViewInSpace:
         self.draw_particles(picture, self.particles, camera, coarseness)
         self._draw_surfaces(picture, camera, coarseness)
         return picture
-
-    def _blend_second(self, colors: Pixels, shades: Pixels) -> None:
-        """Blend shades of the second image, shape (H, W), into colors, shape (H, W, 3)."""
-        over = self.second_table[shades]
-        share = over[..., 3:] / np.float32(255.0)
-        colors[:] = np.rint(colors + share * (over[..., :3] - colors.astype(np.float32)))
 
     @property
     def is_translucent(self) -> bool:
@@ -236,6 +238,10 @@ class ViewInSpace:
         colors = np.tile(_EDGE_COLOR, (12, 1))
         colors[::4] = AXIS_COLORS
         draw_lines(picture, camera.project(ends * self.lengths, picture.size), colors.astype(np.uint8))
+
+
+def _shade_slice(place: Slice, volume: ShadedVolume) -> Pixels:
+    return apply_window(place.slice_array(volume.values), volume.window)
 
 
 def _find_particle_radius(coarseness: int) -> float:

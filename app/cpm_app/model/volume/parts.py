@@ -47,6 +47,8 @@ class FileParts:
         Folder with the slices of a series that the file seems to belong to.
     has_colors : bool
         Whether the first channels are red, green and blue, which are open together unless a channel is chosen.
+    channel_styles : tuple of (str, str)
+        As in `Stack`.
     """
 
     pages: int
@@ -63,6 +65,7 @@ class FileParts:
     doubts: Texts = ()
     series_around: Path | None = None
     has_colors: bool = False
+    channel_styles: tuple[tuple[str, str], ...] = ()
 
     @classmethod
     def from_stack(cls, stack: Stack, paged: bool, series_around: Path | None = None) -> FileParts:
@@ -78,7 +81,7 @@ class FileParts:
         left_out = (ONLY_THESE_NOTE,) if stack.volume_range is not None and end - first >= MINIMUM_SIDE else ()
         return cls(pages, times, stack.channels, stack.series, stack.series_number + 1, stack.plane_word, usual, deep,
                    stack.spacing, stack.unit, end - first, (*stack.volume_notes, *left_out),
-                   series_around if pages == 1 else None, stack.has_colors)  # fmt: skip
+                   series_around if pages == 1 else None, stack.has_colors, stack.channel_styles)  # fmt: skip
 
     @property
     def can_be_volume(self) -> bool:

@@ -21,7 +21,6 @@ from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled
 from cpm_app.session.undo_history import UndoHistory
 from cpm_core import Engine, Evolution, Image, Page, Result, load_pages
 from cpm_core.formats import (
-    ImageFile,
     Pages,
     Reading,
     decode_session,
@@ -91,12 +90,6 @@ class StackSource:
         """Return the reading of a page; the default page of images needs no number."""
         selected: dict[str, Any] = {self.kind: None if number == self._default and not self.has_volumes else number}
         return replace(self.reading, **selected)
-
-    def follow_second(self, second: ImageFile | None, number: int) -> ImageFile | None:
-        """Return the second image of a page from that of another one: a channel of the file goes along in time."""
-        if second is None or second.path != self.path or self.kind != "time":
-            return second
-        return replace(second, reading=replace(second.reading, time=number))
 
     @property
     def _default(self) -> int:

@@ -14,8 +14,7 @@ from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Image, load_image, load_volume
-from cpm_core.formats import ImageFile, Reading
-from cpm_core.formats.images.reading import DEFAULT_READING
+from cpm_core.formats import ImageFile
 from cpm_core.image.resampling import is_label_map
 
 
@@ -30,10 +29,10 @@ class SecondImages(QObject):
         self._task = ENDED_TASK
         session.document_changed.connect(self._on_document_changed)
 
-    def open_file(self, path: Path, reading: Reading = DEFAULT_READING) -> None:
-        """Read a file, or a part of it, and make it the second image if it can be."""
+    def open_file(self, path: Path) -> None:
+        """Read a file and make it the second image if it can be."""
         if self._session.image is not None:
-            self._read(ImageFile(str(path.absolute()), reading=reading), self._session.image, self._use)
+            self._read(ImageFile(str(path.absolute())), self._session.image, self._use)
 
     def remove(self) -> None:
         """Show no second image."""
@@ -63,8 +62,7 @@ class SecondImages(QObject):
         def read_and_resample(task: BackgroundTask) -> tuple[SecondImage, str]:
             load = load_volume if target.ndim == 3 else load_image
             image = load(file.path, check_cancelled=task.check_cancelled, **file.reading.arguments)
-            is_labels = file.reading.channel is None and is_label_map(image)
-            return build_second_image(image, target, is_labels, task.advance), " ".join(
+            return build_second_image(image, target, is_label_map(image), task.advance), " ".join(
                 map(translate_core_text, image.notes)
             )
 
@@ -74,8 +72,7 @@ class SecondImages(QObject):
             second, notes = found
             use(file)
             self._show(second)
-            open_file = self._session.document.image
-            if notes and (open_file is None or file.path != open_file.path):
+            if notes:
                 self._session.messages.show(notes)
 
         title, activity = tr("Reading {name}…", name=name), tr("reading {name}", name=name)

@@ -9,6 +9,7 @@ from typing import cast
 
 import numpy as np
 
+from cpm_app.model.display.channels import Channel
 from cpm_app.model.display.differences import cut_differences, cut_truth
 from cpm_app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
 from cpm_app.model.display.second_image import SecondImage
@@ -70,7 +71,7 @@ class Sections:
         seeds = scene.image_seeds
         return Scene(
             image,
-            self._display_slice(image, IntensityWindow(*volume.shown_range)),
+            self._display_slice("display", image, IntensityWindow(*volume.shown_range)),
             scene.shaded,
             document,
             places.get(scene.selected_shape),
@@ -86,6 +87,7 @@ class Sections:
             volume=volume,
             near_particles=near,
             second=part(_slice_second, scene.second, here),
+            channels=tuple(self._slice_channel(*each, here) for each in enumerate(scene.channels)),
             whole=scene,
         )
 
@@ -99,7 +101,16 @@ class Sections:
         self._shown = here, lines
         return lines
 
-    def _display_slice(self, image: Image, window: IntensityWindow) -> DisplayImage:
+    def _slice_channel(self, index: int, channel: Channel, here: Slice) -> Channel:
+        volume = channel.image
+        if volume is None:
+            return channel
+        name, cut = f"channel {index}", self._parts.get_named
+        image = cut(("image", index), lambda: _slice_image(volume, here), volume, here)
+        display = self._display_slice(name, image, IntensityWindow(*volume.shown_range))
+        return cut(("cut", index), lambda: replace(channel, image=image, display=display), channel, image, display)
+
+    def _display_slice(self, name: str, image: Image, window: IntensityWindow) -> DisplayImage:
         """Display a slice in the intensity window of the volume, so that brightness is the same in all slices."""
 
         def make_display() -> DisplayImage:
@@ -107,9 +118,9 @@ class Sections:
 
         if image.values.size > MAX_SYNC_PIXELS and self.later is not None:
             return self.later.get_named(
-                "display", make_display, lambda: DisplayImage.from_subsample(image.values, window), image
+                name, make_display, lambda: DisplayImage.from_subsample(image.values, window), image
             )
-        return self._parts.get_named("display", make_display, image)
+        return self._parts.get_named(name, make_display, image)
 
     def _slice_overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, SliceOverlay]:
         """Cut the overlays by a slice."""

@@ -247,7 +247,7 @@ class StackPages(QObject):
         """Make the state of an untouched page: with the shapes of the open page, or starts from the previous page."""
         if self.source.has_volumes:
             document = without_results(here.document)
-            document = replace(document, second=self.source.follow_second(here.document.second, number))
+            document = replace(document, second=here.document.second)
             return KeptPage(document, saved_document=document)
         before = self._found_pages.get(number - 1) if self.following else None
         starts = () if before is None else starts_from_contours(before.contours)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cpm_app.session.exchange.messages import CoreFunctions
+from cpm_app.session.features.channel_images import ChannelImages
 from cpm_app.session.features.comparison import ComparedResults
 from cpm_app.session.features.contour_selection import ContourSelection
 from cpm_app.session.features.followed_objects import FollowedObjects
@@ -37,3 +38,4 @@ class Workspace:
         self.slices = SliceNavigation(self.session)
         self.comparison = ComparedResults(self.session, self.navigation)
         self.second_images = SecondImages(self.session)
+        self.channel_images = ChannelImages(self.session)

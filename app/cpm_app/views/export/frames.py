@@ -78,7 +78,7 @@ class FrameRenderer:
         self._view.show()
         # a new image resets the options of its layer, so it is drawn before these are set
         first = Scene(scene.image, scene.display, document=scene.document, selected_shape=scene.selected_shape)
-        self._view.draw_scene(replace(first, slices=scene.slices))
+        self._view.draw_scene(replace(first, slices=scene.slices, channels=scene.channels))
         for layer in canvas.layers:
             self._view.layers[layer.name].use_view_state(layer.view_state())
         self._view.view.setRange(part, padding=0.0)

@@ -1,19 +1,15 @@
-"""A second image over the first: opened by the menu, another channel, or dropped with Shift; and removed."""
+"""A second image over the first: opened by the menu, or dropped with Shift; and removed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QUrl
-from PySide6.QtWidgets import QMenu
 
 from cpm_app.model.state.situation import has_image
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import ImageOpened
-from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_menu_action
+from cpm_app.views.widgets.actions import ActionSpec
 from cpm_app.views.window.dialogs import ALL_FILES, FileKind
 from cpm_app.views.window.window import Feature
 from cpm_core.formats import IMAGES_READABLE
@@ -25,15 +21,11 @@ class SecondImageFeature(Feature):
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
         self._images = self.window.workspace.second_images
-        self._channels = 1
         self.window.second_dropped.connect(self._on_dropped)
-        self.session.store.add_listener(ImageOpened, self._on_image_opened)
         self.actions = (
             ActionSpec("second_image", "File", "Show a second &image…",
                        "Show a label map or another image over this one, by its place in space; or drop it with Shift.",
                        self._ask_for_file, when=has_image),
-            Submenu("second_channel", "File", "Second image from a &channel", self._fill_channels,
-                    find_obstacle=self._find_channel_obstacle),
             ActionSpec("remove_second_image", "File", "Remove the second ima&ge", "Show the image alone again.",
                        self._images.remove, when=lambda now: bool(now.document.second)),
         )  # fmt: skip
@@ -43,24 +35,6 @@ class SecondImageFeature(Feature):
         chosen = self.window.files.ask_for_file("open", tr("Show a second image"), kinds)
         if chosen is not None:
             self._images.open_file(chosen)
-
-    def _on_image_opened(self, opened: ImageOpened) -> None:
-        self._channels = 1 if opened.parts is None or opened.parts.has_colors else opened.parts.channels
-
-    def _find_channel_obstacle(self) -> str:
-        if self.session.document.image is None:
-            return tr("Open an image first.")
-        return "" if self._channels > 1 else tr("The image has one channel.")
-
-    def _fill_channels(self, menu: QMenu) -> None:
-        """List the channels that are not open."""
-        image = self.session.document.image
-        shown = 1 if image is None else image.reading.channel or 1
-        for channel in range(1, self._channels + 1):
-            if image is not None and channel != shown:
-                reading = replace(image.reading, channel=channel)
-                show = partial(self._images.open_file, Path(image.path), reading)
-                add_menu_action(menu, tr("channel {number}", number=channel), show)
 
     def _on_dropped(self, urls: Sequence[QUrl]) -> None:
         """Show the first dropped file as the second image; without an image, open it."""

@@ -17,6 +17,7 @@ from cpm_app.session.features.background import AsyncCache
 from cpm_app.session.scene import Scene
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.canvas.canvas import ToolView
+from cpm_app.views.canvas.channel_bar import ChannelBar
 from cpm_app.views.canvas.side_view import SideView, SliceCross
 from cpm_app.views.canvas.slice_bar import SliceBar
 from cpm_app.views.features.animation import provenance_comment, start_animation_task, start_writing_task
@@ -169,7 +170,7 @@ class SlicesFeature(Feature):
 
 
 class PagesFeature(Feature):
-    """Line below the canvas that selects a page, actions for all pages, and their table."""
+    """Lines below the canvas that select a page and show channels, actions for all pages, and their table."""
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
@@ -181,13 +182,21 @@ class PagesFeature(Feature):
         self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown_at_start=False),)
         self.bar.moved.connect(pages.open_page)
         self.panel.export.clicked.connect(partial(window.trigger_action, "export_pages"))
+        layer = self.canvas.layers.image
+        self.channels = ChannelBar(layer)
         window.canvas_area.controls.addWidget(self.bar)
+        window.canvas_area.controls.addWidget(self.channels)
+        # later: the layer changes before a session has restored which channels it shows
+        layer.changed.connect(lambda: window.turns.schedule_work(read_channels))
         pages.set_session_file(window.document_file)
         pages.changed.connect(self._on_pages_changed)
         window.session.tasks.changed.connect(window.refresh_actions)
         pages.results_changed.connect(window.refresh_actions)
         window.preferences.call_on_change(UNIT_PREFERENCE, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)
+
+        def read_channels() -> None:
+            window.workspace.channel_images.show(layer.wanted_channels)
 
         def is_stack(_: Situation) -> bool:
             return pages.has_images
@@ -227,6 +236,10 @@ class PagesFeature(Feature):
                        "objects stay as they are.", followed.follow_all_pages, "Ctrl+Shift+F", gap=True,
                        visible_when=is_stack,
                        when=lambda now: not followed.running and bool(now.document.objects.items)),
+            ActionSpec("composite", "View", "Co&mposite of the channels",
+                       "Show all channels of the file together, each in its color, or only the one of the run.",
+                       layer.toggle_composite, short=tr("Composite"),
+                       visible_when=lambda _: bool(layer.looks), checked_when=lambda _: layer.is_composite),
         )  # fmt: skip
 
     # Internal

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem
 
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.views.items.item import ImageOverlay
+from cpm_app.views.theme.color_maps import ramp_table
 from cpm_core.numerics.types import Pixels
 
 _TILE_BLOCK_SIZE = 256
@@ -21,6 +22,9 @@ _TILE_BLOCK_SIZE = 256
 _SMOOTHING_LIMIT = 2.0
 """Magnification below which neighboring pixels are blended; above it, single pixels become visible."""
 
+ColoredImages = tuple[tuple[DisplayImage, str], ...]
+"""Images in gray, and their colors."""
+
 LevelPart = tuple[int, int, int, int, int]
 """Level, first row, first column, end of rows and end of columns of a part."""
 
@@ -28,23 +32,25 @@ LevelPart = tuple[int, int, int, int, int]
 class TiledImage(ImageOverlay):
     """Draws a display image from the coarsest level that still fills the resolution of the screen.
 
-    A table gives colors to gray shades, a curve brightness and contrast to colored ones. Nothing of the size of the
-    image is allocated here.
+    A table gives colors to gray shades, a curve brightness and contrast to colored ones. The light of other images of
+    the same shape can be added. Nothing of the size of the image is allocated here.
     """
 
     def __init__(self, z: float) -> None:
         super().__init__(z, 0.0)
         self.display: DisplayImage | None = None
         """Image that is drawn."""
+        self._others: ColoredImages = ()
         self._colors: list[int] | None = None
         self._curve: Pixels | None = None
         self._rendered: tuple[LevelPart, QImage] | None = None
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemUsesExtendedStyleOption)
 
-    def show_image(self, display: DisplayImage) -> None:
-        """Draw another image."""
-        if display is self.display:
+    def show_image(self, display: DisplayImage, others: ColoredImages = ()) -> None:
+        """Draw another image, and add the light of `others`."""
+        if display is self.display and others == self._others:
             return
+        self._others = others
         if self.display is None or display.shape != self.display.shape:
             self.set_image_shape(display.shape)
         self.display = display
@@ -52,7 +58,7 @@ class TiledImage(ImageOverlay):
 
     def set_color_table(self, table: NDArray[np.uint8] | None) -> None:
         """Draw gray shades in the colors of a table, shape (256, 3) or (256, 4) with opacity; None for gray."""
-        self._colors = None if table is None else [qRgba(*(int(c) for c in (*row, 255)[:4])) for row in table]
+        self._colors = None if table is None else _pack_colors(table)
         self._discard_rendered()
 
     def set_tone_curve(self, curve: Pixels | None) -> None:
@@ -70,7 +76,8 @@ class TiledImage(ImageOverlay):
         zoom = math.sqrt(abs(painter.deviceTransform().determinant()))
         if seen.isEmpty() or zoom <= 0.0:
             return
-        part = visible_part(self.display, seen, zoom)
+        coarsest = max((self.display, *(other for other, _ in self._others)), key=lambda shown: shown.finest)
+        part = visible_part(coarsest, seen, zoom)
         if self._rendered is None or self._rendered[0] != part:
             self._rendered = (part, self._render_part(part))
         level, top, left, bottom, right = part
@@ -89,20 +96,35 @@ class TiledImage(ImageOverlay):
     def _render_part(self, part: LevelPart) -> QImage:
         """Render the pixels of a part in the format of the screen."""
         assert self.display is not None
+        picture = self._render_shades(self.display, part, self._colors)
+        if self._others:
+            painter = QPainter(picture)
+            painter.setCompositionMode(QPainter.CompositionMode.CompositionMode_Plus)
+            for other, color in self._others:
+                painter.drawImage(0, 0, self._render_shades(other, part, _pack_colors(ramp_table(color))))
+            painter.end()
+        return picture
+
+    def _render_shades(self, display: DisplayImage, part: LevelPart, colors: list[int] | None) -> QImage:
         level, top, left, bottom, right = part
-        shades: Pixels = self.display.levels[level - self.display.finest][top:bottom, left:right]
+        shades: Pixels = display.levels[level - display.finest][top:bottom, left:right]
         if shades.ndim == 3 and self._curve is not None:
             shades = self._curve[shades]
         if shades.ndim == 3:
             picture = _wrap_pixels(shades, QImage.Format.Format_RGB888)
-        elif self._colors is None:
+        elif colors is None:
             picture = _wrap_pixels(shades, QImage.Format.Format_Grayscale8)
         else:
             picture = _wrap_pixels(shades, QImage.Format.Format_Indexed8)
-            picture.setColorTable(self._colors)
-        opaque = self._colors is None or shades.ndim == 3
+            picture.setColorTable(colors)
+        opaque = colors is None or shades.ndim == 3
         screen = QImage.Format.Format_RGB32 if opaque else QImage.Format.Format_ARGB32_Premultiplied
         return picture.convertToFormat(screen)
+
+
+def _pack_colors(table: NDArray[np.uint8]) -> list[int]:
+    """Pack a table, shape (256, 3) or (256, 4) with opacity, as Qt takes it."""
+    return [qRgba(*(int(c) for c in (*row, 255)[:4])) for row in table]
 
 
 def _wrap_pixels(shades: Pixels, kind: QImage.Format) -> QImage:

@@ -1,10 +1,13 @@
-"""The layer of the image itself, and the drag that changes its window of gray values."""
+"""The layer of the image itself, or of all channels together, and the drag that changes its window of gray values."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
 from types import MappingProxyType
+from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QCursor, QMouseEvent
@@ -17,13 +20,16 @@ from cpm_app.model.display.display_image import (
     percentile_window,
 )
 from cpm_app.model.text.language import localize_number, tr
+from cpm_app.session.features.background import IdentityCache
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import shade_image
 from cpm_app.views.items.item import enable_caching
 from cpm_app.views.items.tiled_image import TiledImage
 from cpm_app.views.layers.layer import Layer, Option
 from cpm_app.views.theme import color_maps
-from cpm_core.numerics.types import Pixels
+from cpm_core import Image
+from cpm_core.formats.common.json_values import from_json, to_json
+from cpm_core.numerics.types import Pixels, frozen
 
 WHOLE_RANGE = "0"
 """Range of all gray values."""
@@ -36,6 +42,9 @@ _FILE_RANGE = "file"
 
 _MANUAL_RANGE = "hand"
 """Range set by hand."""
+
+_MAX_CHANNELS_AT_FIRST = 7
+"""Number of channels that a composite shows at first, as many as there are usual colors."""
 
 WidthAndLevel = tuple[float, float]
 """Width and middle of a window of gray values."""
@@ -62,8 +71,18 @@ _MAX_IMMEDIATE_PIXELS = 1 << 22
 """Largest number of pixels shaded immediately, which takes two frames; the worker shades larger images."""
 
 
+@frozen
+class ChannelLook:
+    """How a composite shows a channel; it has a range of its own once it has been open."""
+
+    shown: bool
+    color: str
+    range: str = ""
+    window: tuple[float, float] | None = None
+
+
 class ImageLayer(Layer):
-    """The image in a window of gray values, set by percentiles or by hand."""
+    """The image in a window of gray values, set by percentiles or by hand; of several channels, all together."""
 
     name = "image"
     title = tr("Image")
@@ -74,7 +93,7 @@ class ImageLayer(Layer):
             "shown",
             tr("Shown"),
             _SHOW_COLORS,
-            tr("A color image in its colors, or the channel in which a run finds edges."),
+            tr("All channels, each in its color, or the channel in which a run finds edges."),
             {_SHOW_COLORS: tr("In color"), _SHOW_CHANNEL: tr("Channel of the run")},
         ),
         Option("map", tr("Colors"), color_maps.GRAY_MAP, tr("Colors from dark to bright."), color_maps.COLOR_MAPS),
@@ -113,6 +132,9 @@ class ImageLayer(Layer):
         """Gray values shown as black and white at first, `Image.shown_range`; the same now."""
         self.window_bounds = self.gray_range
         """Bounds of a window set by hand: the gray range, extended by that of the file and the usual ones of CT."""
+        self.looks: list[ChannelLook] = []
+        """How a composite shows each channel of the file; none without channels."""
+        self._parts = IdentityCache()
 
     @property
     def shades(self) -> Pixels | None:
@@ -133,29 +155,72 @@ class ImageLayer(Layer):
     def apply_option(self, name: str) -> None:
         """Change colors or window."""
         if name == "map":
-            name = self.get_choice("map")
-            self._item.set_color_table(None if name == color_maps.GRAY_MAP else color_maps.color_table(name))
+            self._apply_colors()
         elif name == "range":
             self._apply_range()
         else:  # what is shown, or gamma
             self._update_shades()
 
     def has_effect(self, name: str) -> bool:
-        """Tell whether an option has an effect: gray images have no channels, color images no color map."""
-        colored = self.scene.image is not None and self.scene.image.colors is not None
+        """Tell whether an option has an effect: a single channel has no colors, colors have no color map."""
+        colored = bool(self.looks) or (self.scene.image is not None and self.scene.image.colors is not None)
         return {"shown": colored, "map": not colored or self.get_choice("shown") == _SHOW_CHANNEL}.get(name, True)
 
     def view_state(self) -> dict[str, object]:
-        """Return the state, with the window if it was set by hand."""
-        state = super().view_state()
+        """Return the state, with the channels, and the window if it was set by hand."""
+        state = {**super().view_state(), "channels": to_json(self.looks)}
         return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == _MANUAL_RANGE else state
 
     def use_view_state(self, state: dict[str, object]) -> None:
-        """Restore the state and the window."""
+        """Restore the state, the channels and the window."""
+        kept = state.get("channels")
+        if self.looks and isinstance(kept, list) and len(kept) == len(self.looks):
+            with suppress(ValueError):
+                self.looks = [from_json(ChannelLook, look, "channel") for look in kept]
+                look = self.looks[self.open_channel]
+                window = look.window or self.window
+                state = {**state, "range": look.range, "low": window[0], "high": window[1]}
         super().use_view_state(state)
         low, high = state.get("low"), state.get("high")
         if self.get_choice("range") == _MANUAL_RANGE and isinstance(low, int | float) and isinstance(high, int | float):
             self.set_window(float(low), float(high))
+
+    @property
+    def is_composite(self) -> bool:
+        """Whether all channels of the file are shown together."""
+        return bool(self.looks) and self.get_choice("shown") == _SHOW_COLORS
+
+    def toggle_composite(self) -> None:
+        """Show all channels together, or the open one alone."""
+        self.set_option("shown", _SHOW_CHANNEL if self.is_composite else _SHOW_COLORS)
+
+    @property
+    def wanted_channels(self) -> frozenset[int]:
+        """Indices of the channels that a composite shows."""
+        return frozenset(index for index, look in enumerate(self.looks) if look.shown and self.is_composite)
+
+    @property
+    def open_channel(self) -> int:
+        """Index of the channel that is open: the one of the run, whose window can be set."""
+        image = self.scene.document.image
+        return 0 if image is None else (image.reading.channel or 1) - 1
+
+    @property
+    def shown_channels(self) -> Mapping[int, tuple[Image, IntensityWindow, str]]:
+        """The other channels that a composite shows, as far as they have been read, each with its window and color."""
+        found, gamma = {}, self.get_amount("gamma")
+        for index in self.wanted_channels:
+            image, look = (self.scene.whole or self.scene).channels[index].image, self.looks[index]
+            if image is not None:
+                low, high = look.window or image.window or image.shown_range
+                found[index] = image, IntensityWindow(low, high, gamma), look.color
+        return found
+
+    def set_look(self, channel: int, **changes: Any) -> None:
+        """Show or hide a channel, by its index, or change its color."""
+        self.looks[channel] = replace(self.looks[channel], **changes)
+        self._show_image()
+        self.changed.emit()
 
     def show_scene(self, before: Scene) -> None:
         """Show another image, or shades that were requested."""
@@ -165,6 +230,12 @@ class ImageLayer(Layer):
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
         whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
+            self._parts.clear()
+            if [each.name for each in scene.channels] != [each.name for each in before.channels]:
+                self.looks = [
+                    ChannelLook(index < _MAX_CHANNELS_AT_FIRST, each.color) for index, each in enumerate(scene.channels)
+                ]
+            self.looks = [replace(look, range="", window=None) for look in self.looks]
             self.gray_range = self.window = whole.shown_range
             usual = [window_from_level(window) for _, window in CT_WINDOWS.values()] if whole.is_ct else []
             low, high = zip(self.gray_range, whole.window or self.gray_range, *usual, strict=True)
@@ -177,10 +248,12 @@ class ImageLayer(Layer):
             self._apply_range()
         elif (image, scene.display, channel) != (before.image, before.display, last):
             self._update_shades()  # another slice of the volume, another pixel size, or a completed preview
+        elif scene.channels != before.channels:
+            self._show_image()
         # of two pending requests, only the newer one may be shown
         wanted = image, self.shown_window, self._channel
         if shaded not in (None, before.shaded) and (shaded.image, shaded.window, shaded.channel) == wanted:
-            self._item.show_image(shaded.display)
+            self._show_image(shaded.display)
 
     def _apply_range(self) -> None:
         """Set the window from the selected range."""
@@ -194,6 +267,9 @@ class ImageLayer(Layer):
 
     def _apply_window(self, low: float, high: float) -> None:
         self.window = (low, high)
+        if self.looks:
+            look = self.looks[self.open_channel]
+            self.looks[self.open_channel] = replace(look, range=self.get_choice("range"), window=self.window)
         self._update_shades()
         self.changed.emit()
 
@@ -204,13 +280,47 @@ class ImageLayer(Layer):
         window, all_of_it = self.shown_window, self.shown_window == IntensityWindow(*self.gray_range)
         if image.colors is not None and channel is None:
             self._item.set_tone_curve(None if all_of_it else compute_color_curve(window, image.colors.white))
-            self._item.show_image(whole)
+            self._show_image(whole)
         elif image.colors is None and all_of_it:
-            self._item.show_image(whole)
+            self._show_image(whole)
         elif image.colors is None and image.values.size <= _MAX_IMMEDIATE_PIXELS:
-            self._item.show_image(DisplayImage.from_image(image, window))
+            self._show_image(DisplayImage.from_image(image, window))
         elif channel is not None:
             self.requests.post_command(shade_image(image, window, channel))
+
+    def _show_image(self, display: DisplayImage | None = None) -> None:
+        """Show the image, by default as it is shown now, with the other channels of a composite."""
+        display = display or self._item.display
+        if display is not None:
+            self._apply_colors()
+            others = tuple((self._shade_channel(*each), each[1][2]) for each in self.shown_channels.items())
+            self._item.show_image(display, others)
+
+    def _shade_channel(self, index: int, shown: tuple[Image, IntensityWindow, str]) -> DisplayImage:
+        """Shade another channel, or a slice of it."""
+        channel, (whole, window, _) = self.scene.channels[index], shown
+        if channel.display is not None and window == IntensityWindow(*whole.shown_range):
+            return channel.display
+        image = channel.image or whole
+
+        def make_display() -> DisplayImage:
+            if image.stored.size > _MAX_IMMEDIATE_PIXELS:
+                return DisplayImage.from_visible(image.stored, window)
+            return DisplayImage.from_image(image, window)
+
+        return self._parts.get_named(index, make_display, image, window)
+
+    @property
+    def color_table(self) -> Pixels:
+        """Color of each shade, shape (256, 3); in a composite, of the open channel."""
+        if self.is_composite:
+            look = self.looks[self.open_channel]
+            return color_maps.ramp_table(look.color if look.shown else "black")
+        return color_maps.color_table(self.get_choice("map"))
+
+    def _apply_colors(self) -> None:
+        gray = not self.is_composite and self.get_choice("map") == color_maps.GRAY_MAP
+        self._item.set_color_table(None if gray else self.color_table)
 
     @property
     def _channel(self) -> str | None:

@@ -8,7 +8,7 @@ import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QIcon, QImage, QPixmap
+from PySide6.QtGui import QColor, QIcon, QImage, QPixmap
 
 from cpm_app.model.text.language import tr
 
@@ -58,6 +58,12 @@ def color_table(name: str, entries: int = 256, begin: float = 0.0) -> ColorTable
         colors = np.asarray(pg.colormap.get(name).map(at, mode="byte")[:, :3], dtype=np.uint8)
     colors.flags.writeable = False
     return colors
+
+
+@lru_cache(maxsize=32)
+def ramp_table(color: str) -> ColorTable:
+    """Return the shades of a color from black, shape (256, 3)."""
+    return np.rint(np.outer(np.arange(256), QColor(color).getRgb()[:3]) / 255.0).astype(np.uint8)  # type: ignore[index]
 
 
 def draw_color_strip(name: str, width: int, height: int, begin: float = 0.0) -> QPixmap:

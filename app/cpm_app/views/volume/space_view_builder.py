@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from weakref import WeakKeyDictionary
 
@@ -14,7 +15,7 @@ from cpm_app.model.display.coloring import QUANTITIES, color_particles
 from cpm_app.model.display.display_image import IntensityWindow
 from cpm_app.model.display.second_image import SecondImage
 from cpm_app.model.space.triangles import SurfaceMesh
-from cpm_app.model.space.view_in_space import NO_COLORS, ColoredMesh, ShownParticles, ViewInSpace, Wires
+from cpm_app.model.space.view_in_space import ColoredMesh, Overlay, ShownParticles, ViewInSpace, Wires
 from cpm_app.model.space.voxels import ShadedVolume
 from cpm_app.model.volume.shape_sections import build_shape_wires
 from cpm_app.session.exchange.messages import Reconstruction, Snapshot
@@ -28,7 +29,7 @@ from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, get_canvas_style
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeTruth
 from cpm_core.numerics.polyline import pair_neighbors
-from cpm_core.numerics.types import Pixels, Sides
+from cpm_core.numerics.types import Numbers, Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Measure, Shape, relative_sides
 
@@ -72,25 +73,33 @@ class SpaceViewBuilder:
             get(_build_particles, snapshot, size, layer.get_choice("colour"), layer.get_choice("map"), inks),
             get(_build_surface_mesh, found),
             get(_build_wires, drawn, scene.selected_shape, image, scene.skeleton if layers["skeleton"].shown else None),
-            color_maps.color_table(layers.image.get_choice("map")),
-            *self._build_second(scene.second, layers),
+            layers.image.color_table,
+            self._build_overlays(scene.second, layers),
             get(_build_object_meshes, objects, scene.objects.proposals, spacing, bodies),
             get(_build_truth_mesh, scene.truth if layers["truth"].shown else None, spacing),
         )
 
-    def _build_second(self, second: SecondImage | None, layers: Layers) -> tuple[ShadedVolume | None, Pixels]:
-        """Build the shades of the second image, and their colors with the opacity of the layer."""
-        layer = layers["second"]
-        if second is None or not layer.shown or not isinstance(layer, SecondImageLayer):
-            return None, NO_COLORS
-        table = self._parts.get(_fade_table, layer.color_table, layer.opacity)
-        shades = second.shades
-        return self._parts.get_named("second", lambda: ShadedVolume(shades, _ALL_SHADES), shades), table
+    def _build_overlays(self, second: SecondImage | None, layers: Layers) -> tuple[Overlay, ...]:
+        """Build the other channels of a composite, and the second image with the opacity of its layer."""
+        get, layer = self._parts.get_named, layers["second"]
+        shown: list[tuple[object, Numbers, IntensityWindow, Pixels]] = [
+            (index, image.stored, window, color_maps.ramp_table(color))
+            for index, (image, window, color) in layers.image.shown_channels.items()
+        ]
+        if second is not None and layer.shown and isinstance(layer, SecondImageLayer):
+            table = self._parts.get(_fade_table, layer.color_table, layer.opacity)
+            shown.append(("second", second.shades, _ALL_SHADES, table))
+        overlays: list[Overlay] = []
+        for name, values, window, table in shown:
+            shaded = get(("shaded", name), partial(ShadedVolume, values, window), values, window)
+            overlays.append(get(("overlay", name), partial(Overlay, shaded, table), shaded, table))
+        return tuple(overlays)
 
 
 def _fade_table(table: Pixels, opacity: float) -> Pixels:
-    """Make the colors of a table, shape (256, 4), more transparent."""
-    return np.rint(table * np.array([1.0, 1.0, 1.0, opacity])).astype(np.uint8)
+    """Make the colors of a table, shape (256, 4), more transparent, and multiply them by their opacity."""
+    share = opacity * table[:, 3:] / 255.0
+    return np.rint(share * np.column_stack([table[:, :3], np.full(len(table), 255)])).astype(np.uint8)
 
 
 def _build_particles(

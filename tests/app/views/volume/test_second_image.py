@@ -119,13 +119,6 @@ def test_the_second_image_is_seen_in_space_in_slices_and_as_brightest_voxels(hea
         bar.checks[part].setChecked(False)
 
 
-def test_the_menu_of_channels_cannot_be_opened_for_an_image_of_one_and_says_why(window) -> None:
-    (file,) = (action.menu() for action in window.menuBar().actions() if action.text().replace("&", "") == "File")
-    (channels,) = (one for one in file.actions() if one.text() == "Second image from a &channel")
-    file.aboutToShow.emit()
-    assert (channels.isEnabled(), channels.toolTip()) == (False, "The image has one channel.")
-
-
 def test_a_mask_of_an_image_lies_over_it(window, hand, tmp_path) -> None:
     mask = np.zeros((64, 64), np.uint8)
     mask[20:40, 10:50] = 1

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 import tifffile
 from cpm_app.views.features.files import OpenSaveFeature
-from cpm_app.views.features.second_image import SecondImageFeature
 from cpm_app.views.features.volumes import PagesFeature
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QMenu
 
 from cpm_core import load_volume
 from cpm_core.shapes import Ruler, Sphere
@@ -95,12 +93,3 @@ def test_channels_of_a_volume_are_turned_alike(window, hand, tmp_path) -> None:
     assert bar(window)._title.text() == "Channel" and bar(window).slider.maximum() == 2
     go_to(window, hand, 2)
     np.testing.assert_array_equal(window.session.image.values, pages[:, 1])
-    menu = QMenu()
-    window.get_feature(SecondImageFeature)._fill_channels(menu)
-    (other,) = menu.actions()
-    assert other.text() == "channel 1"
-    other.trigger()
-    hand.wait(lambda: window.session.scene.second is not None)
-    shades = window.session.scene.second.shades
-    assert shades[12, 14, 16] == 255 and shades[0, 0, 0] == 1
-    assert window.session.document.second.reading.channel == 1

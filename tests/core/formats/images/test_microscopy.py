@@ -139,9 +139,12 @@ def test_a_missing_package_is_named(tmp_path, monkeypatch):
 def test_positions_of_an_nd2_are_series(calibrated):
     values = np.stack([VALUES[0], VALUES[1]])
     volume = SimpleNamespace(axesCalibrated=(calibrated,) * 3, axesCalibration=(0.25, 0.5, 2.0))
-    metadata = SimpleNamespace(channels=[SimpleNamespace(volume=volume)])
+    color = SimpleNamespace(as_hex=lambda: "#0000ff")
+    dapi = SimpleNamespace(volume=volume, channel=SimpleNamespace(name="DAPI", color=color))
+    metadata = SimpleNamespace(channels=[dapi])
     sizes = {"P": 2, "C": 3, "Z": 9, "Y": 10, "X": 12}
     file = SimpleNamespace(metadata=metadata, sizes=sizes, dtype=values.dtype, to_dask=lambda: values)
     first, second = microscopy._list_nd2_positions(file)
+    assert first.channel_styles == (("DAPI", "#0000ff"),)
     assert first.steps == (pytest.approx(STEPS) if calibrated else {})
     assert np.array_equal(second.read_part({"C": 1, "Z": slice(2, 4)}), VALUES[1, 1, 2:4])

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from cpm_core import load_image, load_volume
 from cpm_core.formats.images.ome_zarr import open_multiscale
+from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import Reading
 
 zarr = pytest.importorskip("zarr")
@@ -76,3 +77,11 @@ def test_units_may_differ_from_axis_to_axis(tmp_path):
     group.attrs["multiscales"] = scales
     volume = load_volume(path)
     assert (volume.spacing, volume.unit) == (pytest.approx((2e-3, 0.5, 0.25)), "µm")
+
+
+def test_channels_have_the_names_and_colors_that_are_stated(tmp_path):
+    path = write(tmp_path / "a.zarr", "cyx")
+    assert open_stack(path).channel_styles == ()
+    stated = [{"label": "DAPI", "color": "0000FF"}, {"label": "GFP", "color": "00FF00"}, {"color": "FFFFFF"}]
+    zarr.open_group(path).attrs["omero"] = {"channels": stated}
+    assert open_stack(path).channel_styles == (("DAPI", "#0000ff"), ("GFP", "#00ff00"), ("", "#ffffff"))

@@ -8,6 +8,7 @@ import pytest
 import tifffile
 
 from cpm_core import load_image, load_volume
+from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import Reading
 
 from .made import VALUES
@@ -196,3 +197,17 @@ def test_a_stack_of_imagej_with_fewer_images_than_it_says_is_no_single_image(tmp
     (tmp_path / "a.tif").write_bytes(content[: int(kept * len(content))])
     with pytest.raises(ValueError, match=r"a\.tif is damaged or cut short"):
         load_image(tmp_path / "a.tif")
+
+
+def test_channels_have_the_names_and_colors_that_ome_and_imagej_state(tmp_path):
+    planes, path = PIXELS[:3], tmp_path / "a.ome.tif"
+    stated = {"Name": ["DAPI", "GFP", ""], "Color": [0x0000FFFF, -16776961, -1]}  # the last byte is the opacity
+    tifffile.imwrite(path, planes, photometric="minisblack", metadata={"axes": "CYX", "Channel": stated})
+    assert open_stack(path).channel_styles == (("DAPI", "#0000ff"), ("GFP", "#ff0000"), ("", "#ffffff"))
+    tables = [np.outer(color, np.arange(256)).astype(np.uint8) for color in ((0, 1, 1), (1, 0, 1), (1, 1, 1))]
+    metadata = {"axes": "CYX", "mode": "composite", "LUTs": tables, "Ranges": (1.0, 99.0, 2.0, 98.0, 3.0, 97.0)}
+    tifffile.imwrite(tmp_path / "b.tif", planes, imagej=True, metadata=metadata)
+    assert open_stack(tmp_path / "b.tif").channel_styles == (("", "#00ffff"), ("", "#ff00ff"), ("", "#ffffff"))
+    assert [load_image(tmp_path / "b.tif", channel=channel).window for channel in (1, 3)] == [(1.0, 99.0), (3.0, 97.0)]
+    imagej(tmp_path / "c.tif")
+    assert open_stack(tmp_path / "c.tif").channel_styles == () and load_image(tmp_path / "c.tif").window is None

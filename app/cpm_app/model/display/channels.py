@@ -1,0 +1,59 @@
+"""The channels of a file, which a composite shows together, each in its color."""
+
+from __future__ import annotations
+
+from cpm_app.model.display.display_image import DisplayImage
+from cpm_app.model.text.language import tr
+from cpm_app.model.volume.parts import FileParts
+from cpm_core import Image
+from cpm_core.numerics.types import record
+
+CHANNEL_COLORS: dict[str, str] = {
+    "#0000ff": tr("Blue"),
+    "#00ff00": tr("Green"),
+    "#ff0000": tr("Red"),
+    "#ff00ff": tr("Magenta"),
+    "#00ffff": tr("Cyan"),
+    "#ffff00": tr("Yellow"),
+    "#ffffff": tr("Gray"),
+}
+"""Titles of the usual colors, in the order in which they are given to channels without a color of their own."""
+
+
+@record
+class Channel:
+    """A channel of the open file.
+
+    Attributes
+    ----------
+    name : str
+        Its number, and its name where the file states it.
+    color : str
+        Its color in the file, or else the usual one.
+    image : Image or None
+        What it shows; None for the open channel, and until it is wanted and has been read.
+    display : DisplayImage or None
+        The image, or a slice of the volume, with its full range of gray values.
+    """
+
+    name: str
+    color: str
+    image: Image | None = None
+    display: DisplayImage | None = None
+
+
+def list_channels(parts: FileParts | None) -> tuple[Channel, ...]:
+    """List the channels of a file; none where there is only one, or where they are red, green and blue.
+
+    Colors that are all the same say nothing: programs write white where nobody has chosen any.
+    """
+    if parts is None or parts.channels == 1 or parts.has_colors:
+        return ()
+    usual, styles = tuple(CHANNEL_COLORS), parts.channel_styles
+    if len(styles) != parts.channels:
+        styles = (("", ""),) * parts.channels
+    stated = len({color for _, color in styles}) > 1
+    return tuple(
+        Channel(f"{index + 1} {name}".strip(), (stated and color) or usual[index % len(usual)])
+        for index, (name, color) in enumerate(styles)
+    )

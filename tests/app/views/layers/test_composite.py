@@ -1,0 +1,235 @@
+"""All channels of a file are shown together, each in its color, while a run works on the one that is open."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import tifffile
+from cpm_app.session.features import channel_images
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
+from cpm_app.views.layers import image_layer
+from PySide6.QtCore import Qt
+
+from tests.app.views.volume.conftest import ball, open_file
+
+pytestmark = pytest.mark.shared_window
+
+SHADES = (200, 150, 100)
+"""Largest gray value of each channel, whose smallest is 0."""
+
+OME = {"Name": ["DAPI", "GFP", ""], "Color": [0x00FFFFFF, -16776961, 0x0000FFFF]}
+"""Cyan, red and blue, with the opacity in the last byte, as a signed number."""
+
+
+def squares() -> np.ndarray:
+    """Three channels with a bright square each, from left to right."""
+    pixels = np.zeros((3, 40, 90), np.uint16)
+    for channel, shade in enumerate(SHADES):
+        pixels[channel, 10:30, 5 + 30 * channel : 25 + 30 * channel] = shade
+    return pixels
+
+
+@pytest.fixture
+def composite(window, hand, tmp_path):
+    """A window on a file of three channels without colors."""
+    tifffile.imwrite(tmp_path / "three.tif", squares(), photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    open_channels(window, hand, tmp_path / "three.tif")
+    yield window
+    layer(window).set_option("shown", "colors")
+
+
+def layer(window):
+    return window.canvas_area.canvas.layers["image"]
+
+
+def bar(window):
+    return window.get_feature(PagesFeature).channels
+
+
+def colors(hand) -> list[tuple[int, int, int]]:
+    """Color of the square of each channel."""
+    return [hand.color_at(20.0, 15.0 + 30.0 * channel) for channel in range(3)]
+
+
+def open_channels(window, hand, path) -> None:
+    open_file(window, hand, path)
+    wait_for_channels(window, hand)
+
+
+def wait_for_channels(window, hand) -> None:
+    """Wait until every channel that is shown has been read."""
+
+    def is_complete() -> bool:
+        shown = {index for index, look in enumerate(layer(window).looks) if look.shown}
+        return window.session.idle and window.turns.is_idle and not shown - {*layer(window).shown_channels, here()}
+
+    def here() -> int:
+        return layer(window).open_channel
+
+    hand.wait(is_complete)
+
+
+def choose(window, hand, channel: int) -> None:
+    """Work on another channel, by the number of it."""
+    field = window.get_feature(PagesFeature).bar.number
+    field.setFocus()
+    field.selectAll()
+    hand.qtbot.keyClicks(field, str(channel + 1))
+    hand.qtbot.keyClick(field, Qt.Key.Key_Return)
+    hand.wait(lambda: layer(window).open_channel == channel and window.session.idle)
+    wait_for_channels(window, hand)
+
+
+def click(hand, button) -> None:
+    hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton, pos=button.rect().center() / 2)
+
+
+def test_channels_without_colors_get_the_usual_ones_and_each_is_switched_by_a_click(composite, hand) -> None:
+    assert bar(composite).isVisible() and [button.text() for button in bar(composite).buttons] == ["1", "2", "3"]
+    assert colors(hand) == [(0, 0, 255), (0, 255, 0), (255, 0, 0)]
+    click(hand, bar(composite).buttons[1])
+    assert colors(hand) == [(0, 0, 255), (0, 0, 0), (255, 0, 0)]
+    click(hand, bar(composite).buttons[0])
+    assert colors(hand) == [(0, 0, 0), (0, 0, 0), (255, 0, 0)]
+    click(hand, bar(composite).buttons[1])
+    assert colors(hand) == [(0, 0, 0), (0, 255, 0), (255, 0, 0)]
+    click(hand, bar(composite).composite)
+    assert colors(hand) == [(255, 255, 255), (0, 0, 0), (0, 0, 0)]
+    assert not bar(composite).buttons[1].isEnabled()
+
+
+def test_many_channels_are_reached_by_scrolling_and_seven_are_shown_at_first(composite, hand, tmp_path) -> None:
+    pixels, names = np.tile(squares(), (5, 1, 1)), [f"marker {index}" for index in range(15)]
+    tifffile.imwrite(tmp_path / "many.ome.tif", pixels, photometric="minisblack",
+                     metadata={"axes": "CYX", "Channel": {"Name": names}})  # fmt: skip
+    low = bar(composite).height()
+    open_channels(composite, hand, tmp_path / "many.ome.tif")
+    assert [button.isChecked() for button in bar(composite).buttons] == [True] * 7 + [False] * 8
+    scroll_bar = bar(composite).horizontalScrollBar()
+    hand.wait(lambda: scroll_bar.maximum() > 0)
+    assert bar(composite).height() > low
+    bar(composite).buttons[-1].setFocus()
+    bar(composite).ensureWidgetVisible(bar(composite).buttons[-1])
+    assert not bar(composite).buttons[-1].visibleRegion().isEmpty()
+
+
+def test_light_of_channels_adds_up_to_white_at_most(window, hand, tmp_path) -> None:
+    pixels = squares()
+    pixels[1] = pixels[2] = pixels[0]
+    pixels[2, :, 15:] //= 4
+    tifffile.imwrite(tmp_path / "same.tif", pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    open_channels(window, hand, tmp_path / "same.tif")
+    assert hand.color_at(20.0, 8.0) == (255, 255, 255) and hand.color_at(20.0, 20.0) == (64, 255, 255)
+
+
+def test_a_file_gives_names_and_colors_of_its_channels(window, hand, tmp_path) -> None:
+    path, metadata = tmp_path / "named.ome.tif", {"axes": "CYX", "Channel": OME}
+    tifffile.imwrite(path, squares(), photometric="minisblack", metadata=metadata)
+    open_channels(window, hand, path)
+    assert [button.text() for button in bar(window).buttons] == ["1 DAPI", "2 GFP", "3"]
+    assert colors(hand) == [(0, 255, 255), (255, 0, 0), (0, 0, 255)]
+    bar(window).buttons[2].menu().actions()[-1].trigger()  # gray
+    assert colors(hand)[2] == (255, 255, 255)
+
+
+def test_tables_and_ranges_of_imagej_are_those_of_the_channels(window, hand, tmp_path) -> None:
+    tables = [np.outer(color, np.arange(256)).astype(np.uint8) for color in ((1, 1, 0), (1, 0, 1), (0, 1, 0))]
+    metadata = {"axes": "CYX", "mode": "composite", "LUTs": tables, "Ranges": (0.0, 600.0, 0.0, 150.0, 0.0, 150.0)}
+    tifffile.imwrite(tmp_path / "j.tif", squares(), imagej=True, metadata=metadata)
+    open_channels(window, hand, tmp_path / "j.tif")
+    assert colors(hand) == [(85, 85, 0), (255, 0, 255), (0, 170, 0)]
+
+
+def test_each_channel_keeps_its_range_when_another_one_is_worked_on(composite, hand) -> None:
+    layer(composite).set_window(0.0, 3.0 * SHADES[0])
+    before = composite.session.image.values
+    choose(composite, hand, 2)
+    assert composite.session.document.image.reading.channel == 3 and composite.workspace.pages.number == 3
+    np.testing.assert_array_equal(composite.session.image.values, squares()[2])
+    assert layer(composite).get_choice("range") == "0" and layer(composite).window == (0.0, SHADES[2])
+    layer(composite).set_window(0.0, 5.0 * SHADES[2])
+    assert colors(hand) == [(0, 0, 85), (0, 255, 0), (51, 0, 0)]
+    assert bar(composite).buttons[2].font().bold() and not bar(composite).buttons[0].font().bold()
+    choose(composite, hand, 0)
+    assert layer(composite).window == (0.0, 3.0 * SHADES[0])
+    assert colors(hand) == [(0, 0, 85), (0, 255, 0), (51, 0, 0)]
+    np.testing.assert_array_equal(composite.session.image.values, before)
+
+
+def test_a_session_brings_back_the_looks_of_channels_and_reads_none_that_is_off(
+    composite, hand, image_file, tmp_path, monkeypatch
+) -> None:
+    click(hand, bar(composite).buttons[1])
+    bar(composite).buttons[2].menu().actions()[-2].trigger()  # yellow
+    layer(composite).set_window(0.0, 3.0 * SHADES[0])
+    expected = [(0, 0, 85), (0, 0, 0), (255, 255, 0)]
+    assert colors(hand) == expected
+    saved = tmp_path / "kept.cpm"
+    composite.get_feature(OpenSaveFeature).document_file.save_and_wait(saved)
+    open_file(composite, hand, image_file)
+    assert not bar(composite).isVisible() and layer(composite).looks == []
+    read, load = [], channel_images.load_channel
+    monkeypatch.setattr(channel_images, "load_channel", lambda *given: read.append(given[1].channel) or load(*given))
+    composite.open_image(str(saved))
+    hand.wait(lambda: composite.session.document.image.name == "three.tif" and composite.session.idle)
+    wait_for_channels(composite, hand)
+    assert colors(hand) == expected and read == [3]
+    assert not composite.get_feature(OpenSaveFeature).document_file.unsaved
+
+
+def test_the_channels_of_a_volume_are_seen_in_all_slices_in_space_and_at_other_times(window, hand, tmp_path) -> None:
+    values = np.stack([[ball(), ball(4.0)], [ball(), ball(10.0)]]).astype(np.uint16).transpose(0, 2, 1, 3, 4)
+    tifffile.imwrite(tmp_path / "film.ome.tif", values, photometric="minisblack", metadata={"axes": "TZCYX"})
+    window.session.open_file(tmp_path / "film.ome.tif", as_volume=True)
+    hand.wait(lambda: window.session.document.image.name == "film.ome.tif" and window.session.idle)
+    wait_for_channels(window, hand)
+    for view in (window.canvas_area.canvas, *window.get_feature(SlicesFeature).sides):
+        ((shown, color),) = view.layers["image"]._item._others
+        assert color == "#00ff00"
+        expected = view.shown_slice.slice_array(values[0, :, 1])
+        np.testing.assert_array_equal(shown.shades == 255, expected == expected.max())
+    panel = window.get_feature(SpaceFeature).panel
+    for part in ("slices", "projection"):
+        panel.bar.checks[part].setChecked(True)
+        hand.wait(lambda: panel.view.is_idle)
+        found = panel.view._frame.picture.colors.reshape(-1, 3)
+        assert (found == (0, 255, 255)).all(axis=1).any() and (found[:, 2] > found[:, 1]).any(), part
+        panel.bar.checks[part].setChecked(False)
+    assert hand.color_at(13.5, 15.5) == (0, 255, 255) and hand.color_at(13.5, 21.0) == (0, 0, 255)
+    window.get_feature(PagesFeature).bar.number.setValue(2)
+    hand.wait(lambda: window.workspace.pages.number == 2 and window.session.idle)
+    wait_for_channels(window, hand)
+    assert hand.color_at(13.5, 21.0) == (0, 255, 255)
+
+
+def test_channels_of_large_images_have_ranges_of_their_own_at_any_magnification(
+    window, hand, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr(image_layer, "_MAX_IMMEDIATE_PIXELS", 10)
+    pixels = squares().repeat(8, axis=1).repeat(8, axis=2)
+    tifffile.imwrite(tmp_path / "large.tif", pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    open_channels(window, hand, tmp_path / "large.tif")
+    layer(window).set_look(1, window=(0.0, 3.0 * SHADES[1]))
+    layer(window).set_look(0, shown=False)
+    places = [(160.0, 120.0 + 240.0 * channel) for channel in range(3)]
+    assert [hand.color_at(*place) for place in places] == [(0, 0, 0), (0, 85, 0), (255, 0, 0)]
+    hand.canvas.look_at(places[1], 20.0)
+    assert hand.color_at(*places[1]) == (0, 85, 0)
+
+
+def test_a_file_that_is_opened_while_channels_of_another_are_read_is_complete(window, hand, tmp_path) -> None:
+    for name, pixels in (("one.tif", squares()), ("other.tif", squares()[:, ::-1, ::-1])):
+        tifffile.imwrite(tmp_path / name, pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    window.session.open_file(tmp_path / "one.tif")
+    hand.wait(lambda: window.workspace.channel_images._wanted == {0, 1, 2})
+    window.session.open_file(tmp_path / "other.tif")
+    hand.wait(lambda: window.session.document.image.name == "other.tif")
+    wait_for_channels(window, hand)
+    assert colors(hand) == [(255, 0, 0), (0, 255, 0), (0, 0, 255)]
+
+
+def test_red_green_and_blue_are_no_channels_of_a_composite(window, hand, tmp_path) -> None:
+    tifffile.imwrite(tmp_path / "rgb.tif", np.moveaxis(squares(), 0, -1).astype(np.uint8), photometric="rgb")
+    open_file(window, hand, tmp_path / "rgb.tif")
+    assert not bar(window).isVisible() and window.session.scene.channels == ()
