@@ -6,6 +6,7 @@ import numpy as np
 import scipy
 import skimage
 
+from cpm_core.numerics.grids import bounding_window, expand_window
 from cpm_core.numerics.types import Array, Index, Mask
 
 _NECK_DEPTH_RATIO = 0.1
@@ -18,12 +19,16 @@ def split_at_necks(mask: Mask, radius: float | None = None, sides: Array | None 
     A neck is narrower than what it joins by a fraction of a radius [px], by default that of the widest body. `sides`
     are those of a voxel, the smallest being 1.
     """
-    inner = (slice(1, -1),) * mask.ndim
+    parts = np.zeros(mask.shape, np.int64)
+    if not mask.any():
+        return parts
+    window = expand_window(bounding_window(mask), 1, mask.shape)
+    inner, near = (slice(1, -1),) * mask.ndim, mask[window]
     sides = np.ones(mask.ndim) if sides is None else sides
-    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"), sampling=sides)
+    depth = scipy.ndimage.distance_transform_edt(np.pad(near, 1, mode="edge"), sampling=sides)
     depth = scipy.ndimage.gaussian_filter(depth, 1.0 / sides, mode="nearest")[inner]
     radius = float(depth.max()) if radius is None else radius
     tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK_DEPTH_RATIO * radius))  # type: ignore[no-untyped-call]
-    markers, _ = scipy.ndimage.label((tops > 0) & mask, np.ones((3,) * mask.ndim))
-    parts = skimage.segmentation.watershed(-depth, markers, mask=mask)  # type: ignore[no-untyped-call]
-    return np.asarray(parts, dtype=np.int64)
+    markers, _ = scipy.ndimage.label((tops > 0) & near, np.ones((3,) * mask.ndim))
+    parts[window] = skimage.segmentation.watershed(-depth, markers, mask=near)  # type: ignore[no-untyped-call]
+    return parts

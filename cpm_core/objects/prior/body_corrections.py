@@ -119,7 +119,7 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
             continue
         kept = scipy.ndimage.distance_transform_edt(~np.isin(parts, held)) <= radius + 1.0
         rest, _ = scipy.ndimage.label(before & ~kept, np.ones((3, 3, 3)))
-        if rest[outer]:
+        if rest[outer] and rest[outer] not in rest[inner]:
             removed[box] = rest == rest[outer]
             return removed
     return None
