@@ -153,4 +153,3 @@ def _touches_crop_sides(body: BodyPrediction, context: CropContext) -> bool:
         if (first == 0 and slices[:2].any()) or (last == CROP_SIDE - 1 and slices[-2:].any()):
             return True
     return False
-
