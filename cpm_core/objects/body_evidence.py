@@ -1,7 +1,4 @@
-"""What speaks for a body of a volume: its shape, the edges along its surface, and whether it is several that touch.
-
-A body is split where the parts are nearly convex together, as nuclei are that touch, but not the parts of a skull.
-"""
+"""What speaks for a body of a volume: its shape, and the edges along its surface."""
 
 from __future__ import annotations
 
@@ -12,15 +9,12 @@ import numpy as np
 import scipy
 
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array
 from cpm_core.objects.background import measure_edge_steps
-from cpm_core.objects.boundaries.necks import split_at_necks
+from cpm_core.objects.boundaries.necks import measure_hull
 from cpm_core.objects.confidence import BodyFeatures, ChoiceFeatures, estimate_body_confidence, score_choice
 from cpm_core.objects.prior.body_prediction import BodyPrediction
 from cpm_core.objects.selection import Selection
-
-_MIN_SOLIDITY = 0.75
-"""Least volume of the parts of a body, in volumes of their convex hulls, with which it is split."""
 
 _MIN_RELATIVE_STEP = 0.35
 """Rise of gray levels across a surface, in medians of it along the surface, below which there is a gap."""
@@ -33,21 +27,6 @@ _MAX_THIN_SOLIDITY = 0.3
 
 _SAME_GAP_SHARE = 0.02
 """Difference between shares of gaps that says nothing."""
-
-_TO_FACES = 0.5 * np.concatenate([np.eye(3), -np.eye(3)])
-"""The way from the center of a voxel to those of its faces [voxels]."""
-
-
-def split_at_clear_necks(mask: Mask, sides: Array) -> list[Mask]:
-    """Split a body, shape (P, R, C), at its necks if the parts are nearly convex; else return it as it is.
-
-    `sides` are those of a voxel, shape (3,), the smallest being 1.
-    """
-    labels = split_at_necks(mask, sides=sides)
-    parts = [labels == number for number in range(1, int(labels.max()) + 1)]
-    if len(parts) > 1 and np.count_nonzero(mask) >= _MIN_SOLIDITY * sum(map(_measure_hull, parts)):
-        return parts
-    return [mask]
 
 
 def find_meant_body(
@@ -110,7 +89,7 @@ def measure_body(found: Selection) -> BodyFeatures:
     volume = float(found.region.count)
     return BodyFeatures(
         steadiness=abs(float(steps.mean())) / deviation if deviation else 1.0,
-        solidity=volume / _measure_hull(found.region.mask),
+        solidity=volume / measure_hull(found.region.mask),
         volume=volume,
         cut_share=1.0 - len(steps) / len(surface.vertices),
     )
@@ -122,10 +101,3 @@ def _measure_steps(found: Selection) -> tuple[Surface, Array]:
     if surface is None or image is None:
         raise ValueError("a body without voxels, or of an unknown volume, cannot be measured.")
     return surface, measure_edge_steps(image.values, surface)
-
-
-def _measure_hull(mask: Mask) -> float:
-    """Measure the volume of the convex hull of the voxels of a mask [voxels]."""
-    shell = np.argwhere(mask & ~scipy.ndimage.binary_erosion(mask))
-    corners = (shell[:, None] + _TO_FACES).reshape(-1, 3)
-    return float(scipy.spatial.ConvexHull(corners).volume) if len(shell) else 0.0

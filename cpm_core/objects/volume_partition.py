@@ -29,7 +29,8 @@ from cpm_core.numerics.grids import ConnectedParts, expand_window, find_connecte
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.background import lies_in_background
-from cpm_core.objects.body_evidence import find_meant_body, split_at_clear_necks
+from cpm_core.objects.body_evidence import find_meant_body
+from cpm_core.objects.boundaries.necks import split_at_clear_necks
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -485,9 +486,11 @@ class VolumePartition:
             parts: tuple[Region, ...] = () if whole.is_empty else (whole,)
             if parts and number in self.solid_bodies:
                 window = expand_window(whole.window, 1, self.shape)
-                masks = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
-                if len(masks) > 1:
-                    parts = tuple(Region.from_mask(mask, [side.start for side in window]) for mask in masks)
+                labels = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
+                numbers = range(1, int(labels.max()) + 1)
+                if len(numbers) > 1:
+                    first = [side.start for side in window]
+                    parts = tuple(Region.from_mask(labels == each, first) for each in numbers)
             self._parts_of_bodies[number] = parts
         return self._parts_of_bodies[number]
 

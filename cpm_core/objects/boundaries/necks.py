@@ -13,6 +13,30 @@ _NECK_DEPTH_RATIO = 0.1
 """How much narrower a neck is than both of the bodies that it joins, as a fraction of a radius."""
 
 
+_MIN_SOLIDITY = 0.75
+"""Least volume of the parts of a body, in volumes of their convex hulls, with which it is split."""
+
+_TO_FACES = 0.5 * np.concatenate([np.eye(3), -np.eye(3)])
+"""The way from the center of a voxel to those of its faces [voxels]."""
+
+
+def split_at_clear_necks(mask: Mask, sides: Array | None = None) -> Index:
+    """Split a body, shape (P, R, C), at its necks if the parts are nearly convex; else leave it as it is.
+
+    So nuclei are split that touch, but not the parts of a skull. See `split_at_necks`.
+    """
+    parts = split_at_necks(mask, sides=sides)
+    hulls = sum(measure_hull(parts == number) for number in range(1, int(parts.max(initial=0)) + 1))
+    return parts if np.count_nonzero(mask) >= _MIN_SOLIDITY * hulls else mask.astype(np.int64)
+
+
+def measure_hull(mask: Mask) -> float:
+    """Measure the volume of the convex hull of the voxels of a mask [voxels]."""
+    shell = np.argwhere(mask & ~scipy.ndimage.binary_erosion(mask))
+    corners = (shell[:, None] + _TO_FACES).reshape(-1, 3)
+    return float(scipy.spatial.ConvexHull(corners).volume) if len(shell) else 0.0
+
+
 def split_at_necks(mask: Mask, radius: float | None = None, sides: Array | None = None) -> Index:
     """Split a mask of an image or a volume at its necks into bodies, numbered from 1; 0 outside.
 
