@@ -11,14 +11,17 @@ from __future__ import annotations
 import os
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeVar
 
 from threadpoolctl import OpenBLASController, ThreadpoolController
+
+_Item = TypeVar("_Item")
+_Found = TypeVar("_Found")
 
 _PARTS_PER_THREAD = 2
 """Number of parts for each thread."""
@@ -110,6 +113,18 @@ def run_in_parallel(work: Callable[[int, int], object], count: int, min_part_siz
         errors = [task.exception() for task in helping if not task.cancel()]
     for error in filter(None, errors):
         raise error
+
+
+def map_in_parallel(work: Callable[[_Item], _Found], items: Sequence[_Item]) -> list[_Found]:
+    """Return what `work` makes of each item; see `run_in_parallel`."""
+    found: dict[int, _Found] = {}
+
+    def work_on(first: int, end: int) -> None:
+        for number in range(first, end):
+            found[number] = work(items[number])
+
+    run_in_parallel(work_on, len(items), 1)
+    return [found[number] for number in range(len(items))]
 
 
 def _run_parts(todo: deque[tuple[int, int]], work: Callable[[int, int], object]) -> None:

@@ -1,48 +1,71 @@
-"""What speaks for a body of a volume: its shape, the edges along its surface, and whether it is several that touch.
-
-A body is split where the parts are nearly convex together, as nuclei are that touch, but not the parts of a skull.
-"""
+"""What speaks for a body of a volume: its shape, and the edges along its surface."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 import scipy
 
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array
 from cpm_core.objects.background import measure_edge_steps
-from cpm_core.objects.boundaries.necks import split_at_necks
+from cpm_core.objects.boundaries.necks import measure_hull
 from cpm_core.objects.confidence import BodyFeatures, ChoiceFeatures, estimate_body_confidence, score_choice
+from cpm_core.objects.prior.body_prediction import BodyPrediction
 from cpm_core.objects.selection import Selection
-
-_MIN_SOLIDITY = 0.75
-"""Least volume of the parts of a body, in volumes of their convex hulls, with which it is split."""
 
 _MIN_RELATIVE_STEP = 0.35
 """Rise of gray levels across a surface, in medians of it along the surface, below which there is a gap."""
 
-_TO_FACES = 0.5 * np.concatenate([np.eye(3), -np.eye(3)])
-"""The way from the center of a voxel to those of its faces [voxels]."""
+_LEAST_SURFACE_SHARE = 0.5
+"""Least volume within the surface of a body, in the volume of its steps."""
+
+_MAX_THIN_SOLIDITY = 0.3
+"""Largest volume of something thin, such as a tree of vessels, in volumes of its convex hull."""
+
+_SAME_GAP_SHARE = 0.02
+"""Difference between shares of gaps that says nothing."""
 
 
-def split_at_clear_necks(mask: Mask, sides: Array) -> list[Mask]:
-    """Split a body, shape (P, R, C), at its necks if the parts are nearly convex; else return it as it is.
+def find_meant_body(
+    bodies: Sequence[BodyPrediction], point: Array, build: Callable[[BodyPrediction], Selection]
+) -> Selection:
+    """Find the body that a click means among those around it: compact, with edges all around, rather a small one.
 
-    `sides` are those of a voxel, shape (3,), the smallest being 1.
+    A piece of something thin means the whole: of thin bodies with edges all around it is the largest.
+
+    Parameters
+    ----------
+    bodies : sequence of BodyPrediction
+        The bodies.
+    point : ndarray, shape (3,)
+        Where the click is [smallest sides of a voxel].
+    build : callable
+        Build the selection of one of them; only asked for those that are small enough to be the one.
     """
-    labels = split_at_necks(mask, sides=sides)
-    parts = [labels == number for number in range(1, int(labels.max()) + 1)]
-    if len(parts) > 1 and np.count_nonzero(mask) >= _MIN_SOLIDITY * sum(map(_measure_hull, parts)):
-        return parts
-    return [mask]
-
-
-def find_meant_body(found: Sequence[Selection]) -> Selection:
-    """Find the body that a click means among those around it: compact, with edges all around, rather a small one."""
-    return max(found, key=lambda one: score_choice(measure_choice(one)) if one.has_boundary else -np.inf)
+    volumes = [_LEAST_SURFACE_SHARE * body.measure_volume_around(point) for body in bodies]
+    found: list[tuple[float, ChoiceFeatures, Selection]] = []
+    for number in np.argsort(volumes, kind="stable").tolist():
+        most = score_choice(ChoiceFeatures(1.0, max(volumes[number], 1.0), 0.0))
+        if found and most < max(score for score, _, _ in found):
+            break
+        one = build(bodies[number])
+        if one.has_boundary:
+            features = measure_choice(one)
+            found.append((score_choice(features), features, one))
+    if not found:
+        return build(bodies[0])
+    _, best, meant = max(found, key=lambda each: each[0])
+    if best.solidity < _MAX_THIN_SOLIDITY:
+        whole = [
+            (features.volume, one)
+            for _, features, one in found
+            if features.solidity < _MAX_THIN_SOLIDITY and features.gap_share <= best.gap_share + _SAME_GAP_SHARE
+        ]
+        _, meant = max(whole, key=lambda each: each[0])
+    return meant
 
 
 def measure_choice(found: Selection) -> ChoiceFeatures:
@@ -66,7 +89,7 @@ def measure_body(found: Selection) -> BodyFeatures:
     volume = float(found.region.count)
     return BodyFeatures(
         steadiness=abs(float(steps.mean())) / deviation if deviation else 1.0,
-        solidity=volume / _measure_hull(found.region.mask),
+        solidity=volume / measure_hull(found.region.mask),
         volume=volume,
         cut_share=1.0 - len(steps) / len(surface.vertices),
     )
@@ -78,10 +101,3 @@ def _measure_steps(found: Selection) -> tuple[Surface, Array]:
     if surface is None or image is None:
         raise ValueError("a body without voxels, or of an unknown volume, cannot be measured.")
     return surface, measure_edge_steps(image.values, surface)
-
-
-def _measure_hull(mask: Mask) -> float:
-    """Measure the volume of the convex hull of the voxels of a mask [voxels]."""
-    shell = np.argwhere(mask & ~scipy.ndimage.binary_erosion(mask))
-    corners = (shell[:, None] + _TO_FACES).reshape(-1, 3)
-    return float(scipy.spatial.ConvexHull(corners).volume) if len(shell) else 0.0

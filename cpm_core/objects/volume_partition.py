@@ -37,7 +37,8 @@ from cpm_core.numerics.grids import (
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.background import lies_in_background
-from cpm_core.objects.body_evidence import find_meant_body, split_at_clear_necks
+from cpm_core.objects.body_evidence import find_meant_body
+from cpm_core.objects.boundaries.necks import split_at_clear_necks
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -283,9 +284,8 @@ class VolumePartition:
         found = [first]
         if len(first.inside):
             others = [
-                self._correct_body(around.prediction, first.inside, first.outside, "")
-                for around in self.predict_around(first.inside[:1])
-                if around.prediction is not None
+                self._correct_body(body, first.inside, first.outside, "")
+                for body in self._predict_around(first.inside[:1])[1]
             ]
             number = self.find_body_numbers(first.inside[:1])
             if number.all():
@@ -322,22 +322,32 @@ class VolumePartition:
             )
             found = self._correct_body(body_from_mask(mask, size), places, apart.astype(float), remark)
             return replace(found, inside=inside, outside=outside, model=model_title(self.model))
+        first = None
         if previous is not None and previous.prediction is not None:
             body = previous.prediction
         elif previous is not None and previous.has_boundary:
             body = body_from_mask(previous.mask, size)
         else:
-            predicted = self.predict_around(within[:1])[0].prediction
-            assert predicted is not None
-            body = predicted
-        found = self._correct_body(body, within, beyond, remark, painted)
+            first = self._predict_around(within[:1])[0]
+            assert first.prediction is not None
+            body = first.prediction
+        found = self._correct_body(body, within, beyond, remark, painted, first)
         return replace(found, inside=inside, outside=outside)
 
     def _correct_body(
-        self, body: BodyPrediction, inside: Array, outside: Array, remark: str, painted: Region | None = None
+        self,
+        body: BodyPrediction,
+        inside: Array,
+        outside: Array,
+        remark: str,
+        painted: Region | None = None,
+        first: Selection | None = None,
     ) -> Selection:
-        """Correct a body by the points that contradict it, and find its surface, or its voxels once painted."""
-        size, (within, beyond) = self._predictor.voxel_sides, map(self._clip_points, (inside, outside))
+        """Correct a body by the points that contradict it, and find its surface, or its voxels once painted.
+
+        `first` is what the first point alone selects.
+        """
+        given, size, (within, beyond) = body, self._predictor.voxel_sides, map(self._clip_points, (inside, outside))
         for places, adds in ((within, True), (beyond, False)):
             for place in places:
                 if (body.interpolate_logit(place * size) > 0.0) != adds:
@@ -349,7 +359,11 @@ class VolumePartition:
                         painted = painted if left.is_empty else left
         if painted is not None:
             return replace(self.build_selection(painted, inside, outside), remark=remark)
-        return self._build_selection(self._extract_surface(body, within, beyond), inside, outside, remark, body)
+        if first is not None and body is given and len(inside) == 1 and not len(outside):
+            surface = first.region.surface
+        else:
+            surface = self._extract_surface(body, within, beyond)
+        return self._build_selection(surface, inside, outside, remark, body)
 
     def _extract_surface(self, body: BodyPrediction, within: Array, beyond: Array) -> Surface:
         """Extract the surface of a body in the regions of interest."""
@@ -411,29 +425,34 @@ class VolumePartition:
         return replace(self.build_selection(region, inside, outside), remark=remark, prediction=prediction)
 
     def predict_around(self, place: Array) -> tuple[Selection, ...]:
-        """Predict the bodies around a point, shape (1, 3), the one that it means first, each with its prediction.
+        """Predict the bodies around a point, shape (1, 3), each with its prediction.
 
         They differ in size, or one is part of another.
         """
+        return tuple(self._show_body(body, place) for body in self._predict_around(place)[1])
+
+    def _predict_around(self, place: Array) -> tuple[Selection, tuple[BodyPrediction, ...]]:
+        """Predict the bodies around a point, shape (1, 3), and find the one that it means."""
         key = tuple(place[0].tolist())
         known = self._predicted_around.get(key)
         if known is None:
             (at,) = self._clip_points(place) * self._predictor.voxel_sides
-            found = []
-            for body in self._predictor.predict_bodies(at):
-                surface = self._extract_surface(body, self._clip_points(place), np.empty((0, 3)))
-                region = Region(surface=surface) if len(surface.faces) else NO_VOXELS
-                found.append(replace(self.build_selection(region, place), prediction=body))
-            meant = find_meant_body(found)
-            known = (meant, *(one for one in found if one is not meant))
+            bodies = tuple(self._predictor.predict_bodies(at))
+            known = find_meant_body(bodies, at, lambda body: self._show_body(body, place)), bodies
             self._predicted_around.clear()
             self._predicted_around[key] = known
         return known  # another thread may have cleared the others since
 
     @cached_property
-    def _predicted_around(self) -> dict[tuple[float, ...], tuple[Selection, ...]]:
+    def _predicted_around(self) -> dict[tuple[float, ...], tuple[Selection, tuple[BodyPrediction, ...]]]:
         """The bodies around the last point."""
         return {}
+
+    def _show_body(self, body: BodyPrediction, place: Array) -> Selection:
+        """Build the selection of a body around a point, shape (1, 3)."""
+        surface = self._extract_surface(body, self._clip_points(place), np.empty((0, 3)))
+        region = Region(surface=surface) if len(surface.faces) else NO_VOXELS
+        return replace(self.build_selection(region, place), prediction=body)
 
     def _clip_points(self, places: Array) -> Array:
         """Clip points to the volume."""
@@ -475,9 +494,11 @@ class VolumePartition:
             parts: tuple[Region, ...] = () if whole.is_empty else (whole,)
             if parts and number in self.solid_bodies:
                 window = expand_window(whole.window, 1, self.shape)
-                masks = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
-                if len(masks) > 1:
-                    parts = tuple(Region.from_mask(mask, first_pixel(window)) for mask in masks)
+                labels = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
+                numbers = range(1, int(labels.max()) + 1)
+                if len(numbers) > 1:
+                    first = first_pixel(window)
+                    parts = tuple(Region.from_mask(labels == each, first) for each in numbers)
             self._parts_of_bodies[number] = parts
         return self._parts_of_bodies[number]
 

@@ -18,7 +18,7 @@ from cpm_core.numerics.grids import (
     spread_labels,
 )
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.objects.boundaries.necks import split_at_necks
+from cpm_core.objects.boundaries.necks import split_at_clear_necks, split_at_necks
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
 from cpm_core.objects.prior.crops import average_blocks
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
@@ -51,12 +51,20 @@ _POINT_NEIGHBORHOOD = 2
 def correct_in_crop(
     body: BodyPrediction, context: CropContext, point: Array, adds: bool, network: Network
 ) -> BodyPrediction:
-    """Correct a body in a crop by a point, shape (3,), that contradicts it, and `adds` to it or removes from it."""
+    """Correct a body in a crop by a point, shape (3,), that contradicts it, and `adds` to it or removes from it.
+
+    Of bodies that touch, such as nuclei in a clump, only the one is added that holds the point.
+    """
     before = body.resample_in(context.crop)
     slice_logits = _correct_slice_logits(before, context, context.crop.to_crop_steps(point), adds, network)
     logits = refine_by_intensity(context, slice_logits)
     logits = np.maximum(logits, before.logits) if adds else np.minimum(logits, before.logits)
-    return BodyPrediction(context.crop, slice_logits, logits)
+    after = BodyPrediction(context.crop, slice_logits, logits)
+    part = find_part_at_necks(after, point, clear=True) if adds else None
+    if part is None:
+        return after
+    found = ((part.slice_logits, before.slice_logits), (part.logits, before.logits))
+    return BodyPrediction(context.crop, *(np.maximum(one, other) for one, other in found))
 
 
 def _correct_slice_logits(
@@ -126,20 +134,24 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
             continue
         kept = scipy.ndimage.distance_transform_edt(~np.isin(parts, held)) <= radius + 1.0
         rest, _ = label_parts(before & ~kept)
-        if rest[outer]:
+        if rest[outer] and rest[outer] not in rest[inner]:
             removed[box] = rest == rest[outer]
             return removed
     return None
 
 
-def find_part_at_necks(body: BodyPrediction, point: Array) -> BodyPrediction | None:
-    """Find the part of a body that holds a point, shape (3,), once it is split at its necks; None without a neck."""
+def find_part_at_necks(body: BodyPrediction, point: Array, *, clear: bool = False) -> BodyPrediction | None:
+    """Find the part of a body that holds a point, shape (3,), once it is split at its necks; None without a neck.
+
+    Only necks between nearly convex parts count if they must be `clear`.
+    """
     step = nearest_pixels(body.crop.to_crop_steps(point), body.logits.shape)
     pieces, _ = scipy.ndimage.label(body.logits > 0.0)
     if not pieces[tuple(step)]:
         return None
     whole = pieces == pieces[tuple(step)]
-    parts = split_at_necks(average_blocks(whole.astype(np.float32), 2) > 0.5)
+    inside = average_blocks(whole.astype(np.float32), 2) > 0.5
+    parts = split_at_clear_necks(inside) if clear else split_at_necks(inside)
     number = parts[tuple(step // 2)]
     if not number or parts.max() == 1:
         return None

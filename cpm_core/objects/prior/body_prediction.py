@@ -37,6 +37,14 @@ class BodyPrediction:
         """Its volume [smallest sides of a voxel, cubed]."""
         return float(np.count_nonzero(self.logits > 0.0)) * self.crop.step_size**3
 
+    def measure_volume_around(self, point: Array) -> float:
+        """Measure the volume of its part around a point, shape (3,), on steps twice as long; 0 where there is none."""
+        inside = self.logits[::2, ::2, ::2] > 0.0
+        step = np.clip(np.rint(0.5 * self.crop.to_crop_steps(point)), 0, len(inside) - 1).astype(int)
+        parts, _ = scipy.ndimage.label(inside)
+        number = parts[tuple(step)]
+        return float(np.count_nonzero(parts == number)) * (2.0 * self.crop.step_size) ** 3 if number else 0.0
+
     def interpolate_logit(self, point: Array) -> float:
         """Interpolate the logit of a point, shape (3,): above 0 it lies in the body."""
         step = self.crop.to_crop_steps(point)[:, None]

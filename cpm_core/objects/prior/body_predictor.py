@@ -13,10 +13,12 @@ from functools import cached_property, lru_cache
 import numpy as np
 import scipy
 
+from cpm_core.numerics.grids import compute_iou
+from cpm_core.numerics.parallel import map_in_parallel
 from cpm_core.numerics.types import Array, Single, record
 from cpm_core.objects.prior.body_corrections import correct_in_crop, find_part_at_necks
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction, is_different_body
-from cpm_core.objects.prior.crop_search import crop_closely, rank_crop_sizes
+from cpm_core.objects.prior.crop_search import agrees_in_slices, crop_closely, rank_crop_sizes
 from cpm_core.objects.prior.crops import CROP_SIDE, Crop3D, VolumeSampler
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
 from cpm_core.objects.prior.network import Network, load_trained_network
@@ -28,7 +30,10 @@ _CROP_WIDENING = 1.4
 """Factor by which a crop is widened whose sides a body touches."""
 
 _MAX_WIDENINGS = 3
-"""Largest number of times that a crop is widened."""
+"""Number of times that a crop is widened before it becomes the largest."""
+
+_MIN_SAME_IOU = 0.9
+"""Overlap from which a stable region is a body found before."""
 
 _NO_NEGATIVE_POINTS = np.empty((0, 3))
 """The negative points of a first click."""
@@ -56,19 +61,28 @@ class BodyPredictor:
         """Predict bodies that a point, shape (3,), may lie in.
 
         First come those predicted in crops of several sizes, then stable regions of similar gray levels, such as an
-        organ in a head, and last the parts into which necks divide all of these.
+        organ in a head, and last the parts into which necks divide all of these. A crop is left out in whose slices
+        lies the same as in those of a body before.
         """
         found: list[BodyPrediction] = []
-        for crop, probabilities in rank_crop_sizes(point, self._sampler, self.network):
-            body = self._grow_body(point, *crop_closely(crop, probabilities, point, self._sampler, self.network))
-            if all(is_different_body(body.volume, other.volume) for other in found):
-                found.append(body)
+        for wide, answers in rank_crop_sizes(point, self._sampler, self.network):
+            crop, probabilities = crop_closely(wide, answers, point, self._sampler, self.network)
+            if not any(agrees_in_slices(body, crop, probabilities, point) for body in found):
+                body = self._grow_body(point, crop, probabilities)
+                if all(is_different_body(body.volume, other.volume) for other in found):
+                    found.append(body)
         largest = max((body.crop for body in found), key=lambda crop: crop.side)
         context = self._build_context(largest, point[None])
-        found += [
-            _refine_body(context, np.where(region, MAX_LOGIT, -MAX_LOGIT).astype(np.float32))
-            for region in find_stable_regions(context)
-        ]
+        others = map_in_parallel(
+            lambda region: _refine_body(context, np.where(region, MAX_LOGIT, -MAX_LOGIT).astype(np.float32)),
+            list(find_stable_regions(context)),
+        )
+        known = [body.resample_in(largest).logits > 0.0 for body in found]
+        for body in others:
+            inside = body.logits > 0.0
+            if all(compute_iou(inside, other) < _MIN_SAME_IOU for other in known):
+                found.append(body)
+                known.append(inside)
         yield from found
         yield from filter(None, (find_part_at_necks(body, point) for body in found))
 
@@ -77,10 +91,10 @@ class BodyPredictor:
         context = self._build_context(crop, point[None])
         body = _refine_body(context, propagate_slices(context, probabilities, self.network))
         largest = self._sampler.largest_crop_side
-        for _ in range(_MAX_WIDENINGS):
+        for factor in (*[_CROP_WIDENING] * _MAX_WIDENINGS, np.inf):
             if not _touches_crop_sides(body, context) or body.crop.side >= largest:
                 break
-            wider = Crop3D(crop.center, min(_CROP_WIDENING * body.crop.side, largest))
+            wider = self._sampler.widen_crop(body.crop, factor * body.crop.side)
             context = self._build_context(wider, point[None])
             body = _refine_body(context, wider.resample_from(body.crop, body.slice_logits, -MAX_LOGIT))
         return body
@@ -93,14 +107,15 @@ class BodyPredictor:
         `positive` and `negative` are all points so far, shape (M, 3) and (K, 3). A crop whose sides the new body
         touches is widened.
         """
-        crop = _widen_to_point(body.crop, point)
+        crop = self._widen_to_point(body.crop, point)
         while True:
             context = self._build_context(crop, positive, negative)
             after = correct_in_crop(body, context, point, adds, self.network)
-            may_widen = adds and crop.side <= _CROP_WIDENING * body.crop.side
+            wider = self._sampler.widen_crop(crop, _CROP_WIDENING * crop.side)
+            may_widen = adds and crop.side < wider.side <= _CROP_WIDENING**2 * body.crop.side
             if not may_widen or not _touches_crop_sides(after, context):
                 return after
-            crop = Crop3D(crop.center, _CROP_WIDENING * crop.side)
+            crop = wider
 
     def _build_context(self, crop: Crop3D, positive: Array, negative: Array = _NO_NEGATIVE_POINTS) -> CropContext:
         """Sample a crop, where positive points, shape (M, 3), tell the gray level of the object."""
@@ -108,6 +123,12 @@ class BodyPredictor:
         object_gray = float(np.median(scipy.ndimage.map_coordinates(grays, steps.T, order=1, mode="nearest")))
         inner_steps = self._sampler.find_inner_steps(crop)
         return CropContext(crop, grays, inner_steps, object_gray, steps, crop.to_crop_steps(negative))
+
+    def _widen_to_point(self, crop: Crop3D, point: Array) -> Crop3D:
+        """Return a crop, widened if a point, shape (3,), lies at its sides or beyond."""
+        away = np.abs(crop.to_crop_steps(point) - CROP_SIDE / 2).max()
+        farthest = CROP_SIDE / 2 - SLICE_SPACING
+        return crop if away <= farthest else self._sampler.widen_crop(crop, crop.side * float(away / farthest))
 
     @cached_property
     def _sample_crop(self) -> Callable[[Crop3D], Single]:
@@ -132,10 +153,3 @@ def _touches_crop_sides(body: BodyPrediction, context: CropContext) -> bool:
         if (first == 0 and slices[:2].any()) or (last == CROP_SIDE - 1 and slices[-2:].any()):
             return True
     return False
-
-
-def _widen_to_point(crop: Crop3D, point: Array) -> Crop3D:
-    """Return a crop, widened if a point, shape (3,), lies at its sides or beyond."""
-    away = np.abs(crop.to_crop_steps(point) - CROP_SIDE / 2).max()
-    farthest = CROP_SIDE / 2 - SLICE_SPACING
-    return crop if away <= farthest else Crop3D(crop.center, crop.side * float(away / farthest))

@@ -8,7 +8,9 @@ from itertools import combinations
 import numpy as np
 import scipy
 
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.grids import compute_iou
+from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
 from cpm_core.objects.prior.crops import (
     CROP_SIDE,
     CROP_SIZE_RATIO,
@@ -23,11 +25,18 @@ from cpm_core.objects.prior.volume_slices import SLICE_AXES, predict_slices_thro
 _AGREEMENT_WEIGHT = 0.3
 """Weight of the agreement of slices along their shared lines, next to the predicted overlap."""
 
+_MAX_CLARITY_LOSS = 0.2
+"""How much less clear than the clearest crop another one may be [predicted overlap and weighted agreement]."""
+
+_MIN_SAME_IOU = 0.7
+"""Overlap in each slice through a point from which two answers are one body."""
+
 
 def rank_crop_sizes(point: Array, sampler: VolumeSampler, network: Network) -> list[tuple[Crop3D, list[Single]]]:
     """Rank crops of all sizes around a point, shape (3,), with the probabilities in their slices; the clearest first.
 
-    The probabilities are those across each axis, each of shape (CROP_SIDE, CROP_SIDE).
+    Those that are much less clear than the first one are left out: a body there is cut off, or none. The probabilities
+    are those across each axis, each of shape (CROP_SIDE, CROP_SIDE).
     """
     largest = sampler.largest_crop_side
     count = max(int(np.ceil(np.log(largest / MIN_FIRST_SIDE) / np.log(CROP_SIZE_RATIO) - 0.5)), 0)
@@ -39,7 +48,8 @@ def rank_crop_sizes(point: Array, sampler: VolumeSampler, network: Network) -> l
         score = np.mean(predicted_ious) + _AGREEMENT_WEIGHT * _measure_slice_agreement(probabilities)
         ranked.append((score, crop, list(probabilities)))
     ranked.sort(key=lambda each: -each[0])
-    return [(crop, probabilities) for _, crop, probabilities in ranked]
+    least = ranked[0][0] - _MAX_CLARITY_LOSS
+    return [(crop, probabilities) for score, crop, probabilities in ranked if score >= least]
 
 
 def crop_closely(
@@ -54,6 +64,31 @@ def crop_closely(
         previous.append(np.asarray(scipy.ndimage.map_coordinates(probability, steps, order=1), np.float32))
     predictions = predict_slices_through(point, [closer], previous, sampler, network)
     return closer, [prediction.probability for prediction in predictions]
+
+
+def agrees_in_slices(body: BodyPrediction, crop: Crop3D, probabilities: Sequence[Single], point: Array) -> bool:
+    """Return whether the slices of a crop through a point, shape (3,), show what a body has there around the point."""
+    step = crop.to_crop_steps(point)
+    for axis, (axes, probability) in enumerate(zip(SLICE_AXES, probabilities, strict=True)):
+        lines = body.crop.axes_to_crop_steps(crop.axis_positions)
+        lines[axis] = body.crop.to_crop_steps(point)[axis : axis + 1]
+        logits = scipy.ndimage.map_coordinates(
+            body.logits, np.meshgrid(*lines, indexing="ij"), order=1, cval=-MAX_LOGIT
+        )
+        at = np.clip(np.rint(step[list(axes)]), 0, CROP_SIDE - 1).astype(int)
+        one, other = (
+            _select_piece(mask, tuple(at.tolist()))
+            for mask in (probability > INSIDE_PROBABILITY, logits.reshape(probability.shape) > 0.0)
+        )
+        if compute_iou(one, other) < _MIN_SAME_IOU:
+            return False
+    return True
+
+
+def _select_piece(mask: Mask, at: tuple[int, ...]) -> Mask:
+    """Select the connected piece of a mask that holds a pixel."""
+    pieces, _ = scipy.ndimage.label(mask, np.ones((3, 3)))
+    return np.asarray((pieces == pieces[at]) & mask)
 
 
 def _measure_slice_agreement(probabilities: Sequence[Single]) -> float:

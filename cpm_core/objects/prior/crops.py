@@ -286,6 +286,17 @@ class VolumeSampler:
             found.append((there[0], there[-1]) if len(there) else (0, 0))
         return np.array(found)
 
+    def widen_crop(self, crop: Crop3D, side: float) -> Crop3D:
+        """Widen a crop to a side, at most that of the largest crop, and move it so that little lies beyond the volume.
+
+        What it held of the volume it still holds.
+        """
+        side = min(side, max(self.largest_crop_side, crop.side))
+        ends = np.array(self.values.shape) * self.voxel_sides
+        low, high = 0.5 * (side - self.voxel_sides), ends - 0.5 * (side + self.voxel_sides)
+        center = np.where(low < high, np.clip(crop.center, low, high), 0.5 * (low + high))
+        return Crop3D(center, side)
+
     @cached_property
     def largest_crop_side(self) -> float:
         """Side of the largest crop, by the longest side of the volume."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.numerics.grids import measure_depth
-from cpm_core.numerics.parallel import run_in_parallel
+from cpm_core.numerics.parallel import map_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.objects.prior.crops import DEVIATION_OFFSET, INSIDE_PROBABILITY, Crop3D, VolumeSampler, mark_points
 from cpm_core.objects.prior.network import Network
@@ -100,14 +100,7 @@ def predict_slices(queries: Sequence[SliceQuery], context: CropContext, network:
 
 def _predict_in_parallel(build_maps: Callable[[int], Single], count: int, network: Network) -> list[SlicePrediction]:
     """Predict slices on all cores, each from the input maps that are built for its number."""
-    found: dict[int, SlicePrediction] = {}
-
-    def predict_range(first: int, end: int) -> None:
-        for number in range(first, end):
-            found[number] = SlicePrediction(*network(build_maps(number)))
-
-    run_in_parallel(predict_range, count, 1)
-    return [found[number] for number in range(count)]
+    return map_in_parallel(lambda number: SlicePrediction(*network(build_maps(number))), range(count))
 
 
 def _build_query_maps(query: SliceQuery, context: CropContext) -> Single:

@@ -97,6 +97,16 @@ def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
     assert changed.objects.edited == 0
 
 
+def test_voxels_that_clicks_select_keep_them_and_painted_ones_have_none() -> None:
+    ball, clicks = np.linalg.norm(np.indices((9, 9, 9)) - 4.0, axis=0).T < 3.0, (Click(((4.0, 4.0, 4.0),)),)
+    part = Selection(Region.from_mask(ball), ball.shape, np.full((1, 3), 4.0), np.empty((0, 3)))
+    known = accepted(Document(ImageReference("a.nii", "a.nii", ball.shape, 1.0, (1.0,) * 3)), part, clicks)
+    again = (*clicks, Click(((4.0, 4.0, 6.0),)))
+    assert accepted(known, part, again, 1).objects[1].clicks == again
+    painted = objects.accept_objects(known, (known.objects[1].redrawn(part.region),))
+    assert accepted(painted, part, again, 1).objects[1].clicks == ()
+
+
 def test_deleting_the_object_that_is_being_changed_ends_the_change(document) -> None:
     rest = objects.delete_objects(objects.set_selection_clicks(document, (HERE,), 2), (2,))
     assert (numbers(rest), rest.objects.edited, rest.objects.clicks) == ([1], 0, ())

@@ -150,14 +150,30 @@ def test_a_body_at_the_border_of_the_volume_is_flat_there():
 
 
 @pytest.mark.parametrize("noise", [4.0, 20.0])
-def test_a_click_in_a_clump_selects_the_body_and_the_clump_is_a_candidate(noise):
+def test_a_click_in_a_clump_selects_the_body_another_adds_the_next_and_the_clump_is_a_candidate(noise):
     centers = np.array([(24, 20, 20), (24, 20, 37), (24, 35, 28), (38, 28, 28)], float)
     away = np.array([_lengths((56, 56, 60), (1.0,) * 3, center) for center in centers])
     cut = cpm.partition(_seen(np.max(9.0 - away, axis=0), (1.0,) * 3, noise))
-    for center, ball in zip(centers, away, strict=True):
-        assert _dice(cut.select([center]).mask, (ball < 9.0) & (ball == away.min(axis=0))) > 0.88
+    balls = (away < 9.0) & (away == away.min(axis=0))
+    for center, ball in zip(centers, balls, strict=True):
+        assert _dice(cut.select([center]).mask, ball) > 0.88
+    both = cut.select(centers[1:2], previous=cut.select(centers[:1]))
+    assert _dice(both.mask, balls[0] | balls[1]) > 0.93
     clump = cut.find_candidates([centers[0]])[-1]
     assert _dice(clump.mask, (away < 9.0).any(axis=0)) > 0.75
+
+
+def test_a_click_on_a_branch_selects_the_whole_tree_and_another_takes_nothing_away():
+    shape = (72, 96, 72)
+    ends = np.array([(36, 4, 36), (36, 90, 36), (36, 30, 36), (66, 60, 60), (36, 50, 36), (8, 84, 12)], float)
+    along = np.linspace(0.0, 1.0, 200)[:, None]
+    line = np.concatenate([first + along * (last - first) for first, last in ends.reshape(3, 2, 3)])
+    away = scipy.spatial.KDTree(line).query(np.moveaxis(np.indices(shape), 0, -1).reshape(-1, 3))[0].reshape(shape)
+    cut = cpm.partition(_seen(2.5 - away, (1.0,) * 3, 8.0))
+    first = cut.select([(36, 12, 36)])
+    assert _dice(first.mask, away < 2.5) > 0.85
+    more = cut.select([(64, 59, 58)], previous=first)
+    assert np.count_nonzero(first.mask & ~more.mask) < 0.02 * np.count_nonzero(first.mask)
 
 
 def test_a_click_on_an_organ_does_not_leak_out_to_the_skin():

@@ -80,7 +80,10 @@ def accept_objects(document: Document, accepted: Iterable[SegmentedObject], *, e
     for one in accepted:
         old = known.get(one.number)
         if old is not None:
-            items[old.number] = replace(one, **{name: getattr(old, name) for name in _KEPT_PROPERTIES})
+            kept = {name: getattr(old, name) for name in _KEPT_PROPERTIES}
+            if one.region.pixels is not None and not old.clicks:
+                kept["clicks"] = ()  # clicks on what has been painted in a volume do not explain it
+            items[old.number] = replace(one, **kept)
         else:
             own = one.number in rejected or one.number <= objects.taken
             number = one.number if own else max((*items, *rejected, objects.taken)) + 1
@@ -176,8 +179,6 @@ def object_from_selection(selection: Selection, clicks: Clicks, number: int, cat
     confidence = float(np.nan_to_num(selection.confidence))  # unknown where a body was clicked
     if selection.region.ndim == 3:
         region = selection.region
-        if region.pixels is not None and selection.prediction is None:
-            clicks = ()  # they no longer explain what has been painted
         if region.surface is not None:
             region = replace(region, surface=Region.from_surface(region.surface).surface)
         return SegmentedObject(number, clicks, region, category=category, confidence=confidence, model=selection.model)
