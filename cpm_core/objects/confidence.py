@@ -35,8 +35,7 @@ FAINT = 0.005
 """Strength and variation below which a smaller one makes little difference."""
 
 _MAX_POINT_COUNT = 4
-"""Number of points above which more make no difference: as many as the weights were learned from, and a stroke has many
-that are not as many clicks."""
+"""Number of points above which more make no difference: the weights were learned from so many clicks, no strokes."""
 
 _FEW_SIBLINGS = 0.5
 """Weight of siblings from which more of them make little difference."""

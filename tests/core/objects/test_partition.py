@@ -166,6 +166,14 @@ def test_a_negative_point_in_the_middle_of_a_part_takes_away_all_of_it(joined, i
     np.testing.assert_array_equal(again.mask, left.mask)
 
 
+def test_a_negative_point_on_a_small_island_takes_away_the_island():
+    bare = Partition(Image(np.zeros((128, 128))), (), uses_network=False)
+    large = within(60, 60, 50)
+    for radius in (1, 2, 4):
+        both = bare.build_selection(large | within(118, 118, radius), np.array([(60.0, 60.0)]))
+        np.testing.assert_array_equal(bare.select([(60, 60)], [(118, 118)], previous=both).mask, large)
+
+
 def test_a_negative_point_that_is_not_in_the_middle_or_beside_a_newer_positive_one_takes_away_no_part(joined):
     bare, both = joined
     for inside, outside in ([(30, 38)], (31, 75)), ([(30, 38), (36, 72)], (31, 70)), ([(30, 70), (30, 38)], (30, 54)):
