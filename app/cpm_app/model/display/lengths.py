@@ -86,12 +86,12 @@ def format_measured_length(pixels: float, spacing: Sequence[float], unit: str | 
     size = preferred_pixel_size(spacing, unit)
     if size.unit is None or len(set(size.spacing)) > 1:
         return localize_number(f"{pixels:,.{decimals}f} {_PIXEL_UNIT}")
-    length = pixels * size.spacing[0]
-    return (
-        localize_number(f"{length:,.0f} {size.unit}")
-        if length >= 1000.0
-        else localize_number(f"{length:.4g} {size.unit}")
-    )
+    return f"{format_measured(pixels * size.spacing[0])} {size.unit}"
+
+
+def format_measured(value: float, digits: int = 4) -> str:
+    """Format a number with some digits at least, and never with an exponent where it is large."""
+    return localize_number(f"{value:,.0f}" if abs(value) >= 10 ** (digits - 1) else f"{value:.{digits}g}")
 
 
 def round_up(value: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from weakref import WeakKeyDictionary
 
-from cpm_app.model.display.lengths import preferred_pixel_size
+from cpm_app.model.display.lengths import format_measured, preferred_pixel_size
 from cpm_app.model.text.language import localize_number
 from cpm_core import Image
 from cpm_core.shapes import Measure, MeasuredValues
@@ -40,8 +40,3 @@ def describe_measure(shape: Measure, image: Image, channel: str) -> str:
     if found.area is not None:
         parts.append(f"{format_measured(size.factor**2 * found.area)} {unit}²")
     return ", ".join(parts)
-
-
-def format_measured(value: float, digits: int = 4) -> str:
-    """Format a number with some digits at least, and never with an exponent where it is large."""
-    return localize_number(f"{value:,.0f}" if abs(value) >= 10 ** (digits - 1) else f"{value:.{digits}g}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from cpm_app.model.display.lengths import preferred_pixel_size
+from cpm_app.model.display.lengths import format_measured, preferred_pixel_size
 from cpm_app.model.text.language import localize_number, tr
 from cpm_core import Surface
 from cpm_core.numerics.types import Texts
@@ -53,8 +53,8 @@ def _format_figure_values(found: Surface) -> Texts:
         _count_parts(found),
         closed,
         localize_number(f"{found.euler:,}"),
-        f"{_format_four_digits(area)} {square}",
-        f"{_format_four_digits(volume)} {cube}",
+        f"{format_measured(area)} {square}",
+        f"{format_measured(volume)} {cube}",
         support,
     )
 
@@ -73,8 +73,3 @@ def _count_parts(found: Surface) -> str:
     if not found.left_out:
         return parts
     return tr("{parts}, {count} left out", parts=parts, count=localize_number(f"{found.left_out:,}"))
-
-
-def _format_four_digits(value: float) -> str:
-    """Format a number with four digits, or in whole units."""
-    return localize_number(f"{value:,.0f}") if value >= 1000.0 else localize_number(f"{value:.4g}")

@@ -34,7 +34,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from cpm_app.model.display.lengths import PixelSize
+from cpm_app.model.display.lengths import PixelSize, format_measured
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr
 from cpm_app.views.theme.icons import load_icon
@@ -130,7 +130,7 @@ class Column(Generic[Row]):
         value *= factor**self.power
         if self.number_format:
             return localize_number(format(value, self.number_format)) + self.suffix
-        return localize_number(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
+        return format_measured(value, 3)
 
     def sort_key(self, row: Row) -> float | str:
         """Return the sort key of a row; rows without a number come first, those without a text last."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 
 import pytest
-from cpm_app.model.display.measures import format_measured
+from cpm_app.model.display.lengths import format_measured
 from cpm_app.model.document import edits
 from cpm_app.model.document.edits import set_pixel_size
 from cpm_app.views.features.files import OpenSaveFeature
