@@ -32,7 +32,7 @@ _CROP_WIDENING = 1.4
 _MAX_WIDENINGS = 3
 """Number of times that a crop is widened before it becomes the largest."""
 
-_MIN_SAME_IOU = 0.9
+_MIN_SAME_IOU = 0.96
 """Overlap from which a stable region is a body found before."""
 
 _NO_NEGATIVE_POINTS = np.empty((0, 3))
