@@ -32,7 +32,7 @@ _CROP_WIDENING = 1.4
 _MAX_WIDENINGS = 3
 """Number of times that a crop is widened before it becomes the largest."""
 
-_MIN_SAME_IOU = 0.96
+_REPEATED_IOU = 0.96
 """Overlap from which a stable region is a body found before."""
 
 _NO_NEGATIVE_POINTS = np.empty((0, 3))
@@ -74,7 +74,7 @@ class BodyPredictor:
         known = [body.resample_in(largest).logits > 0.0 for body in found]
         for body in others:
             inside = body.logits > 0.0
-            if all(compute_iou(inside, other) < _MIN_SAME_IOU for other in known):
+            if all(compute_iou(inside, other) < _REPEATED_IOU for other in known):
                 found.append(body)
                 known.append(inside)
         yield from found
