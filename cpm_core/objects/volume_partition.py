@@ -283,10 +283,9 @@ class VolumePartition:
         first = self.select(inside, outside, previous=previous, excluded=excluded)
         found = [first]
         if len(first.inside):
-            others = [
-                self._correct_body(body, first.inside, first.outside, "")
-                for body in self._predict_around(first.inside[:1])[1]
-            ]
+            (at,) = self._clip_points(first.inside[:1]) * self._predictor.voxel_sides
+            bodies = *self._predict_around(first.inside[:1])[1], *self._predictor.grow_bodies(at, clear=False)
+            others = [self._correct_body(body, first.inside, first.outside, "") for body in bodies]
             number = self.find_body_numbers(first.inside[:1])
             if number.all():
                 others.insert(0, self.build_selection(Region(surface=self.extract_boundary(number)), first.inside))

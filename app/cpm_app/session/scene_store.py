@@ -55,6 +55,9 @@ _ENDED_BY: Mapping[type[Report], Texts] = {
 _STATUS_INTERVAL = 0.1
 """Time between two updates of the numbers in the window [s]."""
 
+_SILENT_WAIT = 0.5
+"""How long the contours of a run at rest may take before the window says that they are being made [s]."""
+
 
 class SceneStore(QObject):
     """The scene that a session shows and the state of its run, with signals for views.
@@ -72,6 +75,7 @@ class SceneStore(QObject):
         self._worker_thread, self._messages = worker_thread, messages
         self._busy: dict[str, str] = {}
         self._shown_at = 0.0
+        self._waiting_since = math.inf
         self._run_status = RunStatus()
         self.scene = Scene()
         """The scene that is shown."""
@@ -159,6 +163,21 @@ class SceneStore(QObject):
         if overlays is not None and overlays.generation == self.image_generation:
             self._messages.set_error(overlays.error, "overlays")
             self._update_scene(overlays=overlays.arrays)
+        self._show_waiting()
+
+    def _show_waiting(self) -> None:
+        """Say that the contours or the surface of a run at rest are being made, if that takes a while."""
+        if self._run_status.phase == "running" or self._worker_thread.run.reconstructor.idle:
+            self._waiting_since = math.inf
+            if self._busy.pop("reconstructing", ""):
+                self.announce_status()
+            return
+        image, now = self.scene.image, time.perf_counter()
+        self._waiting_since = min(self._waiting_since, now)
+        if now - self._waiting_since > _SILENT_WAIT and "reconstructing" not in self._busy and image is not None:
+            in_volume = len(image.spacing) == 3
+            text = tr("Making the surface…") if in_volume else tr("Making the contours…")
+            self.set_busy("reconstructing", text)
 
     def _on_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
         if isinstance(found, ReconstructionFailed):

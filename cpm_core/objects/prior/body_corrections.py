@@ -18,7 +18,7 @@ from cpm_core.numerics.grids import (
     spread_labels,
 )
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.objects.boundaries.necks import split_at_clear_necks, split_at_necks
+from cpm_core.objects.boundaries.necks import measure_hull, split_at_clear_necks, split_at_necks
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
 from cpm_core.objects.prior.crops import average_blocks
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
@@ -43,6 +43,9 @@ _MIN_ADDED_STRENGTH = 0.5
 
 _MAX_NECK_RADIUS = 3
 """Half the width of the widest neck [steps]."""
+
+_MIN_PART_SOLIDITY = 0.8
+"""Least volume of a part between necks, in volumes of its convex hull."""
 
 _POINT_NEIGHBORHOOD = 2
 """Distance from a point within which a change is due to it [steps]."""
@@ -141,9 +144,10 @@ def _cut_at_neck(body: BodyPrediction, context: CropContext, step: Array) -> Mas
 
 
 def find_part_at_necks(body: BodyPrediction, point: Array, *, clear: bool = False) -> BodyPrediction | None:
-    """Find the part of a body that holds a point, shape (3,), once it is split at its necks; None without a neck.
+    """Find the part of a body that holds a point, shape (3,), once it is split at its necks.
 
-    Only necks between nearly convex parts count if they must be `clear`.
+    None without a neck, and where the part is not nearly convex, as an arc of a ring. If necks must be `clear`, all
+    parts are nearly convex.
     """
     step = nearest_pixels(body.crop.to_crop_steps(point), body.logits.shape)
     pieces, _ = scipy.ndimage.label(body.logits > 0.0)
@@ -154,6 +158,9 @@ def find_part_at_necks(body: BodyPrediction, point: Array, *, clear: bool = Fals
     parts = split_at_clear_necks(inside) if clear else split_at_necks(inside)
     number = parts[tuple(step // 2)]
     if not number or parts.max() == 1:
+        return None
+    part = parts == number
+    if np.count_nonzero(part) < _MIN_PART_SOLIDITY * measure_hull(part):
         return None
     near = spread_labels(parts).repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
     left_out = np.float32(-MAX_LOGIT)

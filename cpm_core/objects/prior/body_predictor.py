@@ -32,7 +32,7 @@ _CROP_WIDENING = 1.4
 _MAX_WIDENINGS = 3
 """Number of times that a crop is widened before it becomes the largest."""
 
-_MIN_DUPLICATE_IOU = 0.9
+_REPEATED_IOU = 0.96
 """Overlap from which a stable region is a body found before."""
 
 _NO_NEGATIVE_POINTS = np.empty((0, 3))
@@ -64,13 +64,7 @@ class BodyPredictor:
         organ in a head, and last the parts into which necks divide all of these. A crop is left out in whose slices
         lies the same as in those of a body before.
         """
-        found: list[BodyPrediction] = []
-        for wide, answers in rank_crop_sizes(point, self._sampler, self.network):
-            crop, probabilities = crop_closely(wide, answers, point, self._sampler, self.network)
-            if not any(agrees_in_slices(body, crop, probabilities, point) for body in found):
-                body = self._grow_body(point, crop, probabilities)
-                if all(is_different_body(body.volume, other.volume) for other in found):
-                    found.append(body)
+        found = list(self.grow_bodies(point, clear=True))
         largest = max((body.crop for body in found), key=lambda crop: crop.side)
         context = self._build_context(largest, point[None])
         others = map_in_parallel(
@@ -80,11 +74,22 @@ class BodyPredictor:
         known = [body.resample_in(largest).logits > 0.0 for body in found]
         for body in others:
             inside = body.logits > 0.0
-            if all(compute_iou(inside, other) < _MIN_DUPLICATE_IOU for other in known):
+            if all(compute_iou(inside, other) < _REPEATED_IOU for other in known):
                 found.append(body)
                 known.append(inside)
         yield from found
         yield from filter(None, (find_part_at_necks(body, point) for body in found))
+
+    def grow_bodies(self, point: Array, *, clear: bool) -> Iterator[BodyPrediction]:
+        """Grow the different bodies of a point, shape (3,), in crops that are `clear`, or in all others."""
+        found: list[BodyPrediction] = []
+        for wide, answers in rank_crop_sizes(point, self._sampler, self.network, clear=clear):
+            crop, probabilities = crop_closely(wide, answers, point, self._sampler, self.network)
+            if not any(agrees_in_slices(body, crop, probabilities, point) for body in found):
+                body = self._grow_body(point, crop, probabilities)
+                if all(is_different_body(body.volume, other.volume) for other in found):
+                    found.append(body)
+                    yield body
 
     def _grow_body(self, point: Array, crop: Crop3D, probabilities: list[Single]) -> BodyPrediction:
         """Grow the body of a point from the answers in the slices through it, in a crop that is widened as needed."""

@@ -32,11 +32,14 @@ _MIN_SAME_IOU = 0.7
 """Overlap in each slice through a point from which two answers are one body."""
 
 
-def rank_crop_sizes(point: Array, sampler: VolumeSampler, network: Network) -> list[tuple[Crop3D, list[Single]]]:
+def rank_crop_sizes(
+    point: Array, sampler: VolumeSampler, network: Network, *, clear: bool
+) -> list[tuple[Crop3D, list[Single]]]:
     """Rank crops of all sizes around a point, shape (3,), with the probabilities in their slices; the clearest first.
 
-    Those that are much less clear than the first one are left out: a body there is cut off, or none. The probabilities
-    are those across each axis, each of shape (CROP_SIDE, CROP_SIDE).
+    Only those are returned that are `clear`, or only the others: these are much less clear than the first one, since a
+    body there is cut off, or none is meant. The probabilities are those across each axis, each of shape (CROP_SIDE,
+    CROP_SIDE).
     """
     largest = sampler.largest_crop_side
     count = max(int(np.ceil(np.log(largest / MIN_FIRST_SIDE) / np.log(CROP_SIZE_RATIO) - 0.5)), 0)
@@ -49,7 +52,7 @@ def rank_crop_sizes(point: Array, sampler: VolumeSampler, network: Network) -> l
         ranked.append((score, crop, list(probabilities)))
     ranked.sort(key=lambda each: -each[0])
     least = ranked[0][0] - _MAX_CLARITY_LOSS
-    return [(crop, probabilities) for score, crop, probabilities in ranked if score >= least]
+    return [(crop, probabilities) for score, crop, probabilities in ranked if (score >= least) == clear]
 
 
 def crop_closely(

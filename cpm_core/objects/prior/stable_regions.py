@@ -33,15 +33,14 @@ def find_stable_regions(context: CropContext) -> Iterator[Mask]:
         slices = np.moveaxis(difference, axis, 0)
         slices[:first], slices[last + 1 :] = np.inf, np.inf
     rank = np.searchsorted(_GRAY_TOLERANCES, _find_largest_beside(difference), side="right").astype(np.int64)
-    joined = np.full(rank.size, len(_GRAY_TOLERANCES), np.int64)
-    _join_by_rank(rank.ravel(), int(np.ravel_multi_index(step, rank.shape)), joined)
-    tolerance = joined.reshape(rank.shape)
+    joined = np.full(rank.shape, len(_GRAY_TOLERANCES), np.int64)
+    _join_by_rank(rank.ravel(), int(np.ravel_multi_index(step, rank.shape)), joined.reshape(-1))
     sizes = np.cumsum(np.bincount(joined.ravel(), minlength=len(_GRAY_TOLERANCES) + 1))[:-1]
     growth = np.diff(np.log(np.maximum(sizes, 1)))
     beside = np.pad(growth, 1, constant_values=_MAX_STABLE_GROWTH)
     is_stable = (growth <= beside[:-2]) & (growth < beside[2:]) & (sizes[:-1] > 1)
     for number in np.flatnonzero(is_stable).tolist():
-        core = scipy.ndimage.binary_dilation(tolerance <= number, iterations=2)
+        core = scipy.ndimage.binary_dilation(joined <= number, iterations=2)
         yield core & (difference < _GRAY_TOLERANCES[number])
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from threading import Event
 
 import numpy as np
 import pytest
 from cpm_app.session.scene import Scene
+from cpm_app.session.worker.reconstruction import ReconstructionRequest
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.discs import Discs
@@ -81,3 +83,14 @@ def test_another_image_leaves_nothing_of_the_one_before_in_the_scene(rested, han
         assert getattr(scene, part) is None, part
     assert (scene.contours, scene.differences, scene.selected_contours) == (empty.contours, (), frozenset())
     assert hand.canvas.layers.contours.counts == (0, 0)
+
+
+def test_the_window_says_that_contours_are_made_while_that_takes_long(ready, hand, monkeypatch) -> None:
+    make, may_go_on = ReconstructionRequest.reconstruct, Event()
+    monkeypatch.setattr(ReconstructionRequest, "reconstruct", lambda one: may_go_on.wait(60.0) and make(one))
+    hand.key(Qt.Key.Key_Space)
+    hand.wait(lambda: ready.session.status.busy == "Making the contours…")
+    may_go_on.set()
+    hand.wait(lambda: ready.session.idle)
+    assert not ready.session.status.busy
+    assert ready.session.scene.contours
