@@ -37,7 +37,7 @@ NAMING = {"edit"}
 WORDS = {"text", "tip", "title", "short", "about", "hint", "label", "note"}
 """Arguments of any call that the user reads."""
 
-NOT_READ = {"all", "edges", "opening", "preparing", "restoring", "seeding", "straight"}
+NOT_READ = {"all", "edges", "opening", "preparing", "reconstructing", "restoring", "seeding", "straight"}
 """Literals that are names in code."""
 
 

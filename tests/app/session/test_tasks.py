@@ -126,7 +126,7 @@ def workspace(qapp: QObject, compiled_loops: None, reader: Gated) -> Iterator[Wo
     made.session.set_pace(None)
     yield made
     reader.gate.set()
-    made.close()
+    made.session.close()
 
 
 @pytest.fixture

@@ -46,7 +46,7 @@ def patient(qapp, huge, image_file, compiled_loops):
 
     made = Workspace(replace(CoreFunctions(), load_image=load, load_volume=load))
     yield made
-    made.close()
+    made.session.close()
     made.session.deleteLater()
 
 

@@ -236,8 +236,7 @@ def test_the_place_of_an_object_is_marked_while_its_next_candidate_is_sought(
     assert layer.awaited.isVisible(), "when the key has been handled, without another turn"
     assert np.transpose(layer.awaited.getData()) == pytest.approx(np.array([[18.0, 18.0]]), abs=0.5)
     answer.set()
-    hand.wait(lambda: objects.idle and objects.answered)
-    assert not layer.awaited.isVisible()
+    hand.wait(lambda: objects.idle and objects.answered and not layer.awaited.isVisible())
 
 
 def test_what_waits_for_an_answer_that_does_not_come_is_given_up(window, hand, objects, monkeypatch) -> None:
