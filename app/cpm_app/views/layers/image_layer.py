@@ -306,7 +306,7 @@ class ImageLayer(Layer):
 
         def make_display() -> DisplayImage:
             if image.stored.size > _MAX_IMMEDIATE_PIXELS:
-                return DisplayImage.from_visible(image.stored, window)
+                return DisplayImage.from_visible(image, window)
             return DisplayImage.from_image(image, window)
 
         return self._parts.get_named(index, make_display, image, window)
