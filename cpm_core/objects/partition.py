@@ -737,7 +737,7 @@ def _find_part_meant(mask: Mask, prompt: Prompt, previous: Selection | None) -> 
     parts = split_at_necks(mask[box])
     islands, _ = scipy.ndimage.label(mask[box] & (parts == 0))  # too small for a body
     parts = np.where(islands > 0, islands + parts.max(), parts)
-    known = prompt.positive[:0] if previous is None else np.rint(previous.inside).astype(np.int64)
+    known = prompt.positive[:0] if previous is None else nearest_pixels(previous.inside, mask.shape)
     for pixel in surplus - corner:
         part = parts == parts[tuple(pixel)]
         depth = scipy.ndimage.distance_transform_edt(np.pad(part, 1, mode="edge"))[1:-1, 1:-1]

@@ -7,7 +7,7 @@ import cpm_app.napari
 import numpy as np
 import pytest
 from cpm_app.napari import files, finding
-from cpm_app.napari.layers import build_result_layers
+from cpm_app.napari.layers import build_contour_layer, build_result_layers, place_in_stack
 
 import cpm_core as cpm
 
@@ -41,6 +41,16 @@ def test_labels_carry_the_measures_of_their_objects(compiled_loops, image, place
     assert features["index"].tolist() == [labels[place] for place in places]
     assert len({len(column) for column in features.values()}) == 1
     np.testing.assert_allclose(features["area" if image.ndim == 2 else "volume"], size, rtol=0.1)
+
+
+def test_contours_of_other_frames_keep_their_colors_where_a_frame_has_none():
+    square = cpm.Contour(np.array([(1.0, 1.0), (1.0, 5.0), (5.0, 5.0), (5.0, 1.0)]), closed=True)
+    with_one, with_none = (build_contour_layer(lines, "a", (8, 8)) for lines in ([square], []))
+    ((lines, look, kind),) = place_in_stack([with_one], (0,), (3, 8, 8), {})
+    pandas = pytest.importorskip("pandas")
+    shown = {**look, "features": pandas.DataFrame(look["features"]), "edge_color": np.array([(1.0, 0.0, 0.0, 1.0)])}
+    ((kept, look, _),) = place_in_stack([with_none], (1,), (3, 8, 8), {"a": (lines, shown, kind)})
+    assert len(kept) == 1 and look["edge_color"] == ["#ff0000"]
 
 
 def test_the_manifest_has_a_menu_and_samples_that_open():

@@ -114,9 +114,10 @@ def _place_contours(lines: Sequence[Array], settings: JsonDict, frame: Frame, be
         return new, settings, "shapes"
     known, look, _ = before
     stays = [number for number, line in enumerate(known) if (np.round(line[:, : len(frame)]) != frame).any()]
+    colors = [_find_color(look["edge_color"][number]) for number in stays] + (settings["edge_color"] if new else [])
     joined = {
         "shape_type": [look["shape_type"][number] for number in stays] + settings["shape_type"],
-        "edge_color": [_find_color(look["edge_color"][number]) for number in stays] + list(settings["edge_color"]),
+        "edge_color": colors or DEFAULT_COLOR,
         "features": {
             name: look["features"][name].iloc[stays].tolist() + list(new_values)
             for name, new_values in settings["features"].items()

@@ -79,7 +79,10 @@ def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage
     spacing, unit = resolution.spacing_from_sizes(sides, [named.get(axis, "") for axis in "zyx"])
     known = dict(group.attrs)
     channels = known.get("ome", known).get("omero", {}).get("channels", ())
-    styles = tuple((make_printable(one.get("label", "")), f"#{one.get('color', '')}".lower()) for one in channels)
+    styles = tuple(
+        (make_printable(one.get("label", "")), f"#{one['color']}".lower() if one.get("color") else "")
+        for one in channels
+    )
     return MultiscaleImage(name, levels, letters, spacing, unit, series, number, styles)  # type: ignore[arg-type]
 
 

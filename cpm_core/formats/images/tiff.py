@@ -376,12 +376,12 @@ def _read_interval(file: tifffile.TiffFile, series: int) -> float | None:
 
 
 def _read_channel_styles(file: tifffile.TiffFile, series: int) -> tuple[tuple[str, str], ...]:
-    """Read name and color of each channel, as in `Stack`, from OME or ImageJ."""
+    """Read name and color of each channel, as in `Stack`, from OME or ImageJ, whose tables may run down to black."""
     if file.ome_metadata:
         channels = _find_ome_pixels(file.ome_metadata, series).findall("{*}Channel")
         return tuple((make_printable(one.get("Name", "")), _parse_ome_color(one.get("Color"))) for one in channels)
     tables = (file.imagej_metadata or {}).get("LUTs", ())
-    return tuple(("", f"#{bytes(np.asarray(table, np.uint8)[:, -1]).hex()}") for table in tables)
+    return tuple(("", f"#{bytes(np.asarray(table, np.uint8).max(axis=1)).hex()}") for table in tables)
 
 
 def _parse_ome_color(given: str | None) -> str:

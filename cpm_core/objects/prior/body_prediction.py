@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import true_bounds
+from cpm_core.numerics.grids import nearest_pixels, true_bounds
 from cpm_core.numerics.types import Array, Mask, Single, record
 from cpm_core.objects.prior.crops import Crop3D, resample_with_tent
 
@@ -40,7 +40,7 @@ class BodyPrediction:
     def measure_volume_around(self, point: Array) -> float:
         """Measure the volume of its part around a point, shape (3,), on steps twice as long; 0 where there is none."""
         inside = self.logits[::2, ::2, ::2] > 0.0
-        step = np.clip(np.rint(0.5 * self.crop.to_crop_steps(point)), 0, len(inside) - 1).astype(int)
+        step = nearest_pixels(0.5 * self.crop.to_crop_steps(point), inside.shape)
         parts, _ = scipy.ndimage.label(inside)
         number = parts[tuple(step)]
         return float(np.count_nonzero(parts == number)) * (2.0 * self.crop.step_size) ** 3 if number else 0.0

@@ -117,7 +117,8 @@ class BodyPredictor:
             context = self._build_context(crop, positive, negative)
             after = correct_in_crop(body, context, point, adds, self.network)
             wider = self._sampler.widen_crop(crop, _CROP_WIDENING * crop.side)
-            may_widen = adds and crop.side < wider.side <= _CROP_WIDENING**2 * body.crop.side
+            widest = _CROP_WIDENING * (_CROP_WIDENING * body.crop.side)  # rounded like the side of a crop widened twice
+            may_widen = adds and crop.side < wider.side <= widest
             if not may_widen or not _touches_crop_sides(after, context):
                 return after
             crop = wider

@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import compute_iou
+from cpm_core.numerics.grids import compute_iou, label_parts, nearest_pixels
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
 from cpm_core.objects.prior.crops import (
@@ -78,7 +78,7 @@ def agrees_in_slices(body: BodyPrediction, crop: Crop3D, probabilities: Sequence
         logits = scipy.ndimage.map_coordinates(
             body.logits, np.meshgrid(*lines, indexing="ij"), order=1, cval=-MAX_LOGIT
         )
-        at = np.clip(np.rint(step[list(axes)]), 0, CROP_SIDE - 1).astype(int)
+        at = nearest_pixels(step[list(axes)], probability.shape)
         one, other = (
             _select_piece(mask, tuple(at.tolist()))
             for mask in (probability > INSIDE_PROBABILITY, logits.reshape(probability.shape) > 0.0)
@@ -90,7 +90,7 @@ def agrees_in_slices(body: BodyPrediction, crop: Crop3D, probabilities: Sequence
 
 def _select_piece(mask: Mask, at: tuple[int, ...]) -> Mask:
     """Select the connected piece of a mask that holds a pixel."""
-    pieces, _ = scipy.ndimage.label(mask, np.ones((3, 3)))
+    pieces, _ = label_parts(mask)
     return np.asarray((pieces == pieces[at]) & mask)
 
 

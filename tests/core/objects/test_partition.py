@@ -166,6 +166,14 @@ def test_a_negative_point_in_the_middle_of_a_part_takes_away_all_of_it(joined, i
     np.testing.assert_array_equal(again.mask, left.mask)
 
 
+def test_a_part_is_taken_away_whole_also_where_its_positive_point_is_outside_the_image():
+    bare = Partition(Image(np.zeros((128, 128))), (), uses_network=False)
+    one, other = within(10.0, 40.0, 15.0), within(10.0, 66.0, 13.0)
+    points = np.array([(10.0, 38.0), (-3.0, 66.0)])
+    left = bare.select(points, [(11, 68)], previous=bare.build_selection(one | other, points))
+    assert overlap(left.mask, one) > 0.95
+
+
 def test_a_negative_point_on_a_small_island_takes_away_the_island():
     bare = Partition(Image(np.zeros((128, 128))), (), uses_network=False)
     large = within(60, 60, 50)

@@ -13,6 +13,9 @@ from cpm_core.contours.surface import label_voxels
 from cpm_core.formats.common.json_values import from_json, to_json
 from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface
+from cpm_core.objects.prior import body_predictor
+from cpm_core.objects.prior.body_prediction import BodyPrediction
+from cpm_core.objects.prior.crops import Crop3D
 from cpm_core.objects.segmented import SegmentedObject
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
@@ -355,3 +358,16 @@ def test_what_excluded_voxels_cut_off_from_the_click_is_left_out_and_a_click_in_
     assert (nothing.has_boundary, nothing.remark) == (False, "A point in another object is ignored.")
     with pytest.raises(ValueError, match="the excluded voxels are"):
         cut.select([(20, 20, 14)], excluded=wall[1:])
+
+
+@pytest.mark.parametrize("side", [40.0, 41.0, 55.0])
+def test_the_crop_of_a_body_that_reaches_its_sides_is_widened_twice_whatever_its_size(monkeypatch, side):
+    empty = np.zeros(1, np.float32)
+    body = BodyPrediction(Crop3D(np.full(3, 100.0), side), empty, empty)
+    predictor = body_predictor.BodyPredictor(np.zeros((200, 200, 200)), np.ones(3), network=lambda maps: None)
+    monkeypatch.setattr(
+        body_predictor, "correct_in_crop", lambda _, context, *__: BodyPrediction(context.crop, empty, empty)
+    )
+    monkeypatch.setattr(body_predictor, "_touches_crop_sides", lambda *_: True)
+    at = np.full((1, 3), 100.0)
+    assert predictor.correct_body(body, at[0], True, at, at[:0]).crop.side == pytest.approx(1.4**2 * side)

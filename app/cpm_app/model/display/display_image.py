@@ -15,7 +15,7 @@ from cpm_core import Image
 from cpm_core.image.gray_levels import sample_values
 from cpm_core.numerics import Array
 from cpm_core.numerics.grids import run_in_bands
-from cpm_core.numerics.types import Extent, Mask, Numbers, Pixels, frozen, record
+from cpm_core.numerics.types import Extent, Mask, Pixels, frozen, record
 
 _VALUES_PER_BAND = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which makes it several times faster."""
@@ -116,11 +116,11 @@ class DisplayImage:
         return replace(DisplayImage.from_shades(apply_window(some, window)), finest=finest, size=values.shape)
 
     @staticmethod
-    def from_visible(values: Numbers, window: IntensityWindow) -> DisplayImage:
-        """Return the shades of gray values, shape (H, W), computed only where they are visible, of every n-th pixel."""
-        count = max(0, math.ceil(math.log2(max(values.shape) / _OVERVIEW_SIDE))) + 1
-        levels = tuple(FileLevel(values[:: 2**level, :: 2**level], window) for level in range(count))
-        return DisplayImage(levels, size=values.shape)
+    def from_visible(image: Image, window: IntensityWindow) -> DisplayImage:
+        """Return the shades of a gray image, computed only where they are visible, of every n-th pixel."""
+        count = max(0, math.ceil(math.log2(max(image.shape) / _OVERVIEW_SIDE))) + 1
+        levels = (*image.finer, *(image.stored[:: 2**level, :: 2**level] for level in range(count)))
+        return DisplayImage(tuple(FileLevel(level, window) for level in levels), -len(image.finer), image.shape)
 
     @property
     def shades(self) -> Pixels:

@@ -391,8 +391,8 @@ class ExportDialog(QDialog):
         few, many = (localize_number(f"{count:,}") for count in reversed(vertices))
         self._vertices.setText(tr("{few} of {many} vertices", few=few, many=many) if vertices[1] else "")
         plan = self.animation_plan
-        frames = tr("{count} frames of {width} × {height} px")
-        self._size.setText(frames.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1]))
+        steps, (width, height) = len(plan.steps), plan.size
+        self._size.setText(tr("{count} frames of {width} × {height} px", count=steps, width=width, height=height))
         if not self.base.text().strip():
             problem = tr("Name the files.")
         count = tr("1 file") if len(order.files) == 1 else tr("{count} files", count=len(order.files))

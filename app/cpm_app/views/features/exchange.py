@@ -262,8 +262,8 @@ class ImportFeature(Feature):
         else:
             message = tr("The clipboard contains neither a picture nor contours.")
             if content and session.scene.slices is not None:
-                message = tr("{name} has contours for an image, but a volume is open.")
-                message = message.format(name=tr("the clipboard"))
+                name = tr("the clipboard")
+                message = tr("{name} has contours for an image, but a volume is open.", name=name)
             elif content:
                 message = tr("Open an image first; then the contours on the clipboard can be used.")
             session.messages.show(message, True, OPENING_CATEGORY)

@@ -84,8 +84,12 @@ class LayersFeature(Feature):
 
         def create_window_action(name: str) -> ActionSpec:
             title, (width, level) = CT_WINDOWS[name]
-            tip = tr("Show the gray values of a CT around {level} HU, {width} HU wide.")
-            return ActionSpec(f"ct_{name}", _CT_GROUP, title, tip.format(level=f"{level:g}", width=f"{width:g}"),
+            tip = tr(
+                "Show the gray values of a CT around {level} HU, {width} HU wide.",
+                level=f"{level:g}",
+                width=f"{width:g}",
+            )
+            return ActionSpec(f"ct_{name}", _CT_GROUP, title, tip,
                               lambda: layers.image.set_window(*window_from_level((width, level))),
                               _CT_KEYS.get(name, ""),
                               visible_when=shows_ct)  # fmt: skip

@@ -231,7 +231,8 @@ class ImageLayer(Layer):
         whole, former = scene.full_image or image, before.full_image
         if image is not before.image and (former is None or whole.values is not former.values):
             self._parts.clear()
-            if [each.name for each in scene.channels] != [each.name for each in before.channels]:
+            listed, known = ([(each.name, each.color) for each in one.channels] for one in (scene, before))
+            if listed != known:
                 self.looks = [
                     ChannelLook(index < _MAX_CHANNELS_AT_FIRST, each.color) for index, each in enumerate(scene.channels)
                 ]
@@ -305,7 +306,7 @@ class ImageLayer(Layer):
 
         def make_display() -> DisplayImage:
             if image.stored.size > _MAX_IMMEDIATE_PIXELS:
-                return DisplayImage.from_visible(image.stored, window)
+                return DisplayImage.from_visible(image, window)
             return DisplayImage.from_image(image, window)
 
         return self._parts.get_named(index, make_display, image, window)

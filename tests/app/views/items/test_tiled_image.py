@@ -53,7 +53,8 @@ def test_a_part_covers_what_is_seen_with_no_more_pixels_than_the_screen_needs(ro
         assert bottom - top <= 2.0 * max(zoom, 0.5) * seen.height() + MOST_BESIDE
 
 
-def test_finer_levels_of_a_file_are_read_where_the_screen_has_room_for_them():
+@pytest.mark.parametrize("make_display", [DisplayImage.from_image, DisplayImage.from_visible])
+def test_finer_levels_of_a_file_are_read_where_the_screen_has_room_for_them(make_display):
     values = np.random.default_rng(1).integers(0, 256, (1600, 1400), np.uint8)
     read = []
 
@@ -65,7 +66,7 @@ def test_finer_levels_of_a_file_are_read_where_the_screen_has_room_for_them():
             return values[part]
 
     image = Image(values[::2, ::2], finer=(Level(),))
-    display = DisplayImage.from_image(image, IntensityWindow(0.0, 255.0))
+    display = make_display(image, IntensityWindow(0.0, 255.0))
     assert display.shape == image.shape
     seen = QRectF(300.0, 400.0, 100.0, 50.0)
     assert visible_part(display, seen, 1.0)[0] == 0

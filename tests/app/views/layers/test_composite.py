@@ -133,6 +133,16 @@ def test_a_file_gives_names_and_colors_of_its_channels(window, hand, tmp_path) -
     assert colors(hand)[2] == (255, 255, 255)
 
 
+def test_another_file_gives_its_channels_its_own_colors_also_where_their_names_are_the_same(
+    window, hand, tmp_path
+) -> None:
+    for name, colors_there in (("one.ome.tif", OME["Color"]), ("other.ome.tif", OME["Color"][::-1])):
+        metadata = {"axes": "CYX", "Channel": {**OME, "Color": colors_there}}
+        tifffile.imwrite(tmp_path / name, squares(), photometric="minisblack", metadata=metadata)
+        open_channels(window, hand, tmp_path / name)
+    assert colors(hand) == [(0, 0, 255), (255, 0, 0), (0, 255, 255)]
+
+
 def test_tables_and_ranges_of_imagej_are_those_of_the_channels(window, hand, tmp_path) -> None:
     tables = [np.outer(color, np.arange(256)).astype(np.uint8) for color in ((1, 1, 0), (1, 0, 1), (0, 1, 0))]
     metadata = {"axes": "CYX", "mode": "composite", "LUTs": tables, "Ranges": (0.0, 600.0, 0.0, 150.0, 0.0, 150.0)}

@@ -82,6 +82,6 @@ def test_units_may_differ_from_axis_to_axis(tmp_path):
 def test_channels_have_the_names_and_colors_that_are_stated(tmp_path):
     path = write(tmp_path / "a.zarr", "cyx")
     assert open_stack(path).channel_styles == ()
-    stated = [{"label": "DAPI", "color": "0000FF"}, {"label": "GFP", "color": "00FF00"}, {"color": "FFFFFF"}]
+    stated = [{"label": "DAPI", "color": "0000FF"}, {"label": "GFP"}, {"color": "FFFFFF"}]
     zarr.open_group(path).attrs["omero"] = {"channels": stated}
-    assert open_stack(path).channel_styles == (("DAPI", "#0000ff"), ("GFP", "#00ff00"), ("", "#ffffff"))
+    assert open_stack(path).channel_styles == (("DAPI", "#0000ff"), ("GFP", ""), ("", "#ffffff"))
