@@ -88,7 +88,10 @@ _NO_OBJECT_REMARK = "No object was found around these points: only their own pix
 """Remark on a selection that holds only the pixels of its points."""
 
 _LEAST_CONFIDENCE = 0.05
-"""Confidence below which an answer has a remark, and lines precede it: of twenty such answers not one is an object."""
+"""Confidence below which an answer has a remark: of twenty such answers not one is an object."""
+
+_LINE_CONFIDENCE = 0.02
+"""Confidence below which a line that the points lie in precedes an answer, as it is right more often."""
 
 _UNLIKELY_REMARK = "There may be no object here: the confidence is almost zero."
 """Remark on a selection of almost no confidence, as in the background."""
@@ -493,7 +496,7 @@ class Partition(drawing.Pictured):
                 if paths:
                     mask[box] = snap_to_contours(mask[box], find_crossings(paths, mask[box].shape), likely.downsampling)
             features = ConfidenceFeatures(*likely[2:], point_count=len(prompt.positive) + len(prompt.negative))
-            if thin is not None and estimate_confidence(features) < _LEAST_CONFIDENCE:
+            if thin is not None and estimate_confidence(features) < _LINE_CONFIDENCE:
                 yield Candidate(Region.from_mask(thin.mask))
                 thin = None
             yield Candidate(Region.from_mask(mask), features)

@@ -92,6 +92,12 @@ SAMPLES = (
 OBJECTS_OF_AN_IMAGE, _OBJECTS_OF_A_KIND = 4, 200
 """Objects of an image at most; more where a kind has so few images that it would give less than the second number."""
 
+_LEAST_OF_A_LOOK = 20
+"""Images in color and in gray, of each of which a kind must have so many for these to be two kinds."""
+
+_MIN_TINT = 5
+"""Mean range of the channels of a pixel in an image that is in color [gray levels]."""
+
 _AROUND = 160
 """Pixels to each side of the middle of an object that are kept of its image."""
 
@@ -132,6 +138,9 @@ def in_color(image: NDArray[np.uint8]) -> Pixels:
 def outlined(folders: Sequence[Path], chance: random.Random) -> dict[str, list[Example]]:
     """Objects of each labeled image, without those held out, by the names of the folders.
 
+    A kind of which many images are in color and many in gray, such as nuclei in stained tissue and in fluorescence, is
+    two kinds.
+
     Parameters
     ----------
     folders : sequence of Path
@@ -143,8 +152,14 @@ def outlined(folders: Sequence[Path], chance: random.Random) -> dict[str, list[E
     for folder in folders:
         labeled = sorted(folder.glob("*" + _LABELS))
         kept = [path for number, path in enumerate(labeled) if number % HELD_OUT]
-        most = max(OBJECTS_OF_AN_IMAGE, _OBJECTS_OF_A_KIND // max(len(kept), 1))
-        kinds[folder.name] = [example for path in kept for example in objects_of(path, most, chance)]
+        tinted = [path for path in kept if np.ptp(labeled_image(path).astype(int), axis=-1).mean() > _MIN_TINT]
+        looks = {folder.name: kept}
+        if min(len(tinted), len(kept) - len(tinted)) >= _LEAST_OF_A_LOOK:
+            in_gray = [path for path in kept if path not in tinted]
+            looks = {folder.name + " in gray": in_gray, folder.name + " in color": tinted}
+        for name, paths in looks.items():
+            most = max(OBJECTS_OF_AN_IMAGE, _OBJECTS_OF_A_KIND // max(len(paths), 1))
+            kinds[name] = [example for path in paths for example in objects_of(path, most, chance)]
     return kinds
 
 
@@ -173,10 +188,15 @@ def objects_of(path: Path, most: int, chance: random.Random) -> Iterator[Example
 
 def labeled(path: Path) -> tuple[Pixels, NDArray[np.uint8]]:
     """The image that belongs to a file of labels, and these."""
+    labels = skimage.io.imread(path)
+    return labeled_image(path), labels[..., 0] if labels.ndim == 3 else labels
+
+
+def labeled_image(path: Path) -> Pixels:
+    """The image that belongs to a file of labels."""
     stem = path.name.removesuffix(_LABELS)
-    image_path = next(there for ending in (".png", ".jpg") if (there := path.with_name(stem + ending)).exists())
-    image, labels = in_color(skimage.io.imread(image_path)), skimage.io.imread(path)
-    return image, labels[..., 0] if labels.ndim == 3 else labels
+    paths = (path.with_name(stem + ending) for ending in (".png", ".jpg"))
+    return in_color(skimage.io.imread(next(each for each in paths if each.exists())))
 
 
 def photographs(folders: Sequence[Path]) -> list[Pixels]:

@@ -13,13 +13,17 @@ from tests.benchmarks.prior.drawn import drawn
 from tests.benchmarks.prior.lines import thin, tiled
 from tests.benchmarks.prior.nested import nested
 from tests.benchmarks.prior.pictures import Example, drawings, photographs, samples
+from tests.benchmarks.prior.radiographs import radiograph
 from tests.benchmarks.prior.scenes import made_up, regions
+from tests.benchmarks.prior.tissue import tissue
 
 REGIONS, REGIONS_OF_SAMPLES, MADE_UP, DRAWN, NESTED, THIN, TILED = 1400, 300, 3000, 7000, 2500, 1500, 1500
+TISSUE, RADIOGRAPHS = 2000, 2000
 """How many there are of each."""
 
-SEED, SEED_OF_SAMPLES, SEED_OF_DRAWINGS, SEED_OF_LINES = 5, 6, 11, 12
-"""Seeds of scenes without drawings, of the regions of scikit-image's samples, of scenes with drawings, and of lines."""
+SEED, SEED_OF_SAMPLES, SEED_OF_DRAWINGS, SEED_OF_LINES, SEED_OF_TISSUE = 5, 6, 11, 12, 13
+"""Seeds of scenes without drawings, of the regions of scikit-image's samples, of scenes with drawings, of lines, and of
+tissue and radiographs."""
 
 _GROUND = 200
 """Pixels along each side of photographs that become grounds."""
@@ -49,8 +53,10 @@ def pools(outlined: Sequence[Path], drawn_folders: Sequence[Path]) -> dict[str, 
     seen_through = [_slim(nested(clips, grounds, rng)) for _ in range(NESTED)]
     rng = np.random.default_rng(SEED_OF_LINES)
     lines, tiles = [thin(rng) for _ in range(THIN)], [tiled(rng) for _ in range(TILED)]
+    rng = np.random.default_rng(SEED_OF_TISSUE)
+    sections, exposures = [tissue(rng) for _ in range(TISSUE)], [radiograph(rng) for _ in range(RADIOGRAPHS)]
     scenes = {"regions": found, "made_up": shapes, "drawn": pasted, "nested": seen_through}
-    return scenes | {"thin": lines, "tiled": tiles}
+    return scenes | {"thin": lines, "tiled": tiles, "tissue": sections, "radiographs": exposures}
 
 
 def _slim(example: Example) -> Example:

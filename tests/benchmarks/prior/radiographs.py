@@ -1,0 +1,133 @@
+"""Made-up radiographs: long bones with thick walls, in chains with narrow joints, and short bones in a group."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from cpm_core.numerics.types import Array, Mask, Pixels, Single
+from tests.benchmarks.prior.pictures import Example
+from tests.benchmarks.prior.shapes import FULL_TURN
+from tests.benchmarks.prior.textures import blurred, log_uniform, noise, texture
+
+_MIN_AREA = 120
+"""Pixels of the smallest object."""
+
+_ENDS = 0.22
+"""Share of the length of a long bone in which it widens, at either end."""
+
+
+def radiograph(rng: Generator, side: int = 192) -> Example:
+    """One of several bones in flesh, each of which adds to what absorbs."""
+    while True:
+        bones = _chains(side, rng)
+        if rng.random() < 0.5:
+            bones += _short_bones(side, rng)
+        bones = [bone for bone in bones if bone.sum() >= _MIN_AREA]
+        if not bones:
+            continue
+        image = _exposed(bones, rng)
+        hidden = np.sum(bones, axis=0) > 1
+        fitting = [bone for bone in bones if bone.mean() < 0.5 and (bone & hidden).sum() < 0.3 * bone.sum()]
+        if fitting:
+            return Example(image, fitting[rng.integers(len(fitting))])
+
+
+def _chains(side: int, rng: Generator) -> list[Mask]:
+    """One to five chains of long bones beside one another, such as fingers, or one or two bones of a limb."""
+    count = rng.integers(1, 6)
+    width = log_uniform(0.025, 0.12, rng) * side
+    ahead = rng.uniform(0, FULL_TURN)
+    across = ahead + np.pi / 2
+    spread = rng.uniform(-0.02, 0.15)
+    bones = []
+    for number in range(count):
+        place = rng.uniform(0.4, 0.6, 2) * side - 0.5 * side * rng.uniform(0.3, 1) * _direction(ahead)
+        place = place + (number - (count - 1) / 2) * width * rng.uniform(3.2, 4.5) * _direction(across)
+        angle = ahead + (number - (count - 1) / 2) * spread
+        wide, long = width * rng.uniform(0.85, 1.15), width * rng.uniform(5, 14)
+        for _ in range(rng.integers(1, 5)):
+            bones.append(_long_bone(side, place, angle, long, wide, rng))
+            gap = rng.uniform(-0.12, 0.5) * wide
+            place = place + (long + gap) * _direction(angle)
+            angle += rng.normal(0, 0.12)
+            wide, long = wide * rng.uniform(0.75, 1), max(long * rng.uniform(0.55, 0.85), 2.5 * wide)
+    return bones
+
+
+def _long_bone(side: int, start: Array, angle: float, length: float, width: float, rng: Generator) -> Mask:
+    """A shaft that is narrow in its middle, a little bent, with round ends, one of them wider."""
+    along = np.linspace(0, 1, 48)
+    ends = rng.uniform(1.15, 1.9, 2)
+    near = [np.clip(1 - each / _ENDS, 0, 1) ** 1.5 for each in (along, 1 - along)]
+    half = width * (1 + (ends[0] - 1) * near[0] + (ends[1] - 1) * near[1])
+    # a round end: the width falls to 0 within half of it
+    rest = np.minimum(along, 1 - along) * length
+    cap = np.clip(rest / (rng.uniform(0.3, 0.8) * width), 0, 1)
+    half = half * np.sqrt(1 - (1 - cap) ** 2)
+    sides = half * (1 + rng.normal(0, 0.08, (2, 1)) * np.sin(np.pi * along) + 0.04 * rng.normal(size=(2, 1)))
+    bend = length * rng.normal(0, 0.03) * np.sin(np.pi * along)
+    middle = start + (along * length)[:, None] * _direction(angle) + bend[:, None] * _direction(angle + np.pi / 2)
+    out = _direction(angle + np.pi / 2)
+    outline = np.r_[middle + sides[0][:, None] * out, (middle - sides[1][:, None] * out)[::-1]]
+    return _filled(side, outline)
+
+
+def _short_bones(side: int, rng: Generator) -> list[Mask]:
+    """Rounded bones that lie close together or over one another, such as those of a wrist."""
+    middle, size = rng.uniform(0.2, 0.8, 2) * side, side * rng.uniform(0.05, 0.12)
+    angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    bones = []
+    for _ in range(rng.integers(3, 9)):
+        radii = size * rng.uniform(0.6, 1.1) * np.ones_like(angles)
+        for order in range(2, 5):
+            radii += size * 0.1 * rng.normal() * np.cos(order * angles + rng.uniform(0, FULL_TURN))
+        place = middle + rng.normal(0, 1.6 * size, 2)
+        bones.append(_filled(side, place + radii[:, None] * np.c_[np.sin(angles), np.cos(angles)]))
+    return bones
+
+
+def _exposed(bones: list[Mask], rng: Generator) -> Pixels:
+    """Gray levels of an exposure, brighter where more is absorbed, in an image of one channel."""
+    side = len(bones[0])
+    everything = np.any(bones, axis=0)
+    reach = side * rng.uniform(0.03, 0.14)
+    outside = cv2.distanceTransform((~everything).astype(np.uint8), cv2.DIST_L2, 5)
+    flesh = np.clip(1 - outside / reach, 0, 1) ** rng.uniform(0.3, 1) if rng.random() < 0.8 else np.ones((side, side))
+    flesh = blurred(flesh.astype(np.float32), 2) * rng.uniform(0.2, 1.2)
+    absorbed = flesh + texture(side, rng) * rng.uniform(0, 0.08) + noise(side, side / 2, rng) * rng.uniform(0, 0.15)
+    amount, wall, grain = rng.uniform(0.3, 1.3), rng.uniform(0.08, 0.35), rng.uniform(0.02, 0.2)
+    rim_share = rng.uniform(0.2, 0.8)
+    for bone in bones:
+        absorbed = absorbed + amount * rng.uniform(0.85, 1.15) * _absorbing(bone, wall, rim_share, grain, rng)
+    image = blurred(absorbed.astype(np.float32), rng.uniform(0.4, 1.4))
+    image = image + rng.normal(0, rng.uniform(0, 0.08), image.shape)
+    darkest, brightest = np.percentile(image, (0.3, 99.7))
+    shown = np.clip((image - darkest) / (brightest - darkest + 1e-6), 0, 1) ** np.exp(rng.normal(0, 0.35))
+    return (shown * 255).astype(np.uint8)[..., None]
+
+
+def _absorbing(bone: Mask, wall: float, rim_share: float, grain: float, rng: Generator) -> NDArray[Any]:
+    """What a bone absorbs: more in its wall, which is thin at the ends, and beams in its marrow."""
+    depth: Single = cv2.distanceTransform(bone.astype(np.uint8), cv2.DIST_L2, 5)
+    thickness = max(float(depth.max()) * wall, 1.0)
+    rim = np.exp(-(((depth - thickness) / thickness) ** 2))
+    uneven = np.clip(0.9 + 0.35 * noise(len(bone), max(depth.max() * 3, 4), rng), 0.2, 1.4)
+    beams = grain * noise(len(bone), rng.uniform(1.5, 4), rng)
+    edge = np.clip(depth / 1.5, 0, 1)
+    return edge * ((1 - rim_share) + rim_share * rim * uneven + beams) * bone
+
+
+def _filled(side: int, outline: Array) -> Mask:
+    """A mask with an outline (row, col)."""
+    mask = np.zeros((side, side), np.uint8)
+    cv2.fillPoly(mask, [np.round(outline[:, ::-1] * 8).astype(np.int32)], 1, shift=3)
+    return mask > 0
+
+
+def _direction(angle: float) -> Array:
+    return np.array([np.sin(angle), np.cos(angle)])
