@@ -20,6 +20,10 @@ def test_without_an_image_there_is_no_run_and_the_hint_explains_how_to_open_one(
     assert "Open an image" in resolve_texts(empty).hint
 
 
+def test_while_the_first_image_is_opened_no_hint_asks_for_one() -> None:
+    assert resolve_texts(Situation(status=RunStatus(busy="Opening disc.png…"))).hint == ""
+
+
 @pytest.mark.parametrize(
     ("status", "text", "steps", "started"),
     [

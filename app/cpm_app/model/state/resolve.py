@@ -132,7 +132,7 @@ def _suggest_next_action(situation: Situation) -> str:
     drawn = any(not isinstance(each, Measure) for each in document.shapes)
     in_volume, usual = has_volume(situation), MODES[document.mode].hint
     if status.phase == "empty":
-        message = tr("Open an image ({key:open}) or drop one here.")
+        message = "" if status.busy else tr("Open an image ({key:open}) or drop one here.")
     elif status.started and status.method != MODES[document.mode].method:
         message = tr("What was found stays until Run ({key:run}) starts over in this mode.")
     elif status.started and status.stale and status.phase == "running":

@@ -184,6 +184,8 @@ class ImageLayer(Layer):
         low, high = state.get("low"), state.get("high")
         if self.get_choice("range") == _MANUAL_RANGE and isinstance(low, int | float) and isinstance(high, int | float):
             self.set_window(float(low), float(high))
+        self._show_image()  # looks may have changed without any option
+        self.changed.emit()
 
     @property
     def is_composite(self) -> bool:

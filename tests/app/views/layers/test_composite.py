@@ -188,6 +188,21 @@ def test_a_session_brings_back_the_looks_of_channels_and_reads_none_that_is_off(
     assert not composite.get_feature(OpenSaveFeature).document_file.unsaved
 
 
+def test_a_session_brings_back_the_buttons_of_channels_too(composite, hand, image_file, tmp_path) -> None:
+    for button in bar(composite).buttons[1:]:
+        click(hand, button)
+    bar(composite).buttons[0].menu().actions()[-2].trigger()  # yellow
+    icon, saved = bar(composite).buttons[0].icon().pixmap(14).toImage(), tmp_path / "kept.cpm"
+    composite.get_feature(OpenSaveFeature).document_file.save_and_wait(saved)
+    open_file(composite, hand, image_file)
+    composite.open_image(str(saved))
+    hand.wait(lambda: composite.session.document.image.name == "three.tif" and composite.session.idle)
+    wait_for_channels(composite, hand)
+    assert [button.isChecked() for button in bar(composite).buttons] == [True, False, False]
+    assert bar(composite).buttons[0].icon().pixmap(14).toImage() == icon
+    assert colors(hand) == [(255, 255, 0), (0, 0, 0), (0, 0, 0)]
+
+
 def test_the_channels_of_a_volume_are_seen_in_all_slices_in_space_and_at_other_times(window, hand, tmp_path) -> None:
     values = np.stack([[ball(), ball(4.0)], [ball(), ball(10.0)]]).astype(np.uint16).transpose(0, 2, 1, 3, 4)
     tifffile.imwrite(tmp_path / "film.ome.tif", values, photometric="minisblack", metadata={"axes": "TZCYX"})
