@@ -45,6 +45,7 @@ from cpm_core.objects.selection import (
     EXCLUDED_POINT_REMARK,
     Candidate,
     Selection,
+    find_held_points,
     keep_last_marks,
 )
 from cpm_core.objects.vessels import find_thin_object
@@ -422,7 +423,9 @@ class Partition(drawing.Pictured):
                 )
             free = free & ~excluded.astype(bool)
         meant = within if previous is None else _replace_surrounding_points(within, previous)
-        newer = None if previous is None else ~_is_among(meant, previous.inside)
+        newer = None
+        if previous is not None:
+            newer = ~_is_among(meant, previous.inside) | find_held_points(meant, beyond, previous)
         places, remark = self._resolve_points(meant, beyond, free, newer)
         start = close_line(meant, self.shape)
         lasso = start if len(start) >= MIN_DRAWN_PLACES else NO_POINTS

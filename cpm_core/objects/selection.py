@@ -179,3 +179,12 @@ def keep_last_marks(inside: _Points, outside: _Points, newer: Mask) -> tuple[_Po
     """
     same = (np.rint(inside)[:, None] == np.rint(outside)).all(axis=2)
     return inside[newer | ~same.any(axis=1)], outside[~(same & newer[:, None]).any(axis=0)], bool(same.any())
+
+
+def find_held_points(inside: Array, outside: Array, previous: Selection) -> Mask:
+    """Return which points, shape (M, D), a selection holds and no later negative point, shape (K, D), takes away.
+
+    Of two marks that are both older than a selection, it tells by what it holds which was the last.
+    """
+    later = np.rint(outside[len(previous.outside) :])
+    return previous.contains(inside) & ~(np.rint(inside)[:, None] == later).all(axis=2).any(axis=1)

@@ -51,7 +51,13 @@ from cpm_core.objects.prior.body_surface import extract_body_surface
 from cpm_core.objects.prior.crops import CROP_SIDE, resample_with_tent
 from cpm_core.objects.prior.larger_models import model_title
 from cpm_core.objects.prior.server import ServedVolume, split_lassos
-from cpm_core.objects.selection import CONFLICTING_POINT_REMARK, EXCLUDED_POINT_REMARK, Selection, keep_last_marks
+from cpm_core.objects.selection import (
+    CONFLICTING_POINT_REMARK,
+    EXCLUDED_POINT_REMARK,
+    Selection,
+    find_held_points,
+    keep_last_marks,
+)
 from cpm_core.parameters.formatting import format_repr, format_size
 
 _BODY_LOOKUP_DISTANCE = 0.75
@@ -299,7 +305,10 @@ class VolumePartition:
         self, inside: Array, outside: Array, box: Array, previous: Selection | None, painted: Region | None
     ) -> Selection:
         """Select a body by the network, starting from what was selected before, or by a server."""
-        newer = np.arange(len(inside)) >= (len(inside) if previous is None else len(previous.inside))
+        newer = np.zeros(len(inside), np.bool_)
+        if previous is not None:
+            newer = np.arange(len(inside)) >= len(previous.inside)
+            newer |= find_held_points(inside, outside, previous)
         within, beyond, contradicting = keep_last_marks(inside, outside, newer)
         remark = CONFLICTING_POINT_REMARK if contradicting else ""
         if self._interest is not None:

@@ -174,6 +174,18 @@ def test_a_part_is_taken_away_whole_also_where_its_positive_point_is_outside_the
     assert overlap(left.mask, one) > 0.95
 
 
+@pytest.mark.parametrize("last", [True, False])
+def test_the_last_of_two_marks_of_a_pixel_counts_at_all_further_clicks(last):
+    cut = Partition(Image(100.0 * within(60, 60, 40)), ())
+    inside, other = [(60, 50), (60, 92)], (60, 92)
+    first = cut.select(inside[:1])
+    taken = cut.select(inside[:1], [other], previous=first)
+    again = cut.select(inside, [other], previous=taken)
+    assert again.contains(np.array([other])).all()
+    after = cut.select(inside, [other, (5, 5) if last else other], previous=again)
+    assert after.contains(np.array([other])).all() == last
+
+
 def test_a_negative_point_on_a_small_island_takes_away_the_island():
     bare = Partition(Image(np.zeros((128, 128))), (), uses_network=False)
     large = within(60, 60, 50)
