@@ -217,7 +217,7 @@ def test_a_gap_in_a_drawn_outline_is_closed_straight_and_told():
     lines[20:22, 20:40] = lines[20:22, 50:70] = 40.0
     chosen = partition(lines).select([(45, 45)], [(5, 45)])
     row, col = np.indices(lines.shape)
-    inner, outer = ((row > 21 - w) & (row < 68 + w) & (col > 21 - w) & (col < 68 + w) for w in (0, 3))
+    inner, outer = ((row > 21 - w) & (row < 68 + w) & (col > 21 - w) & (col < 68 + w) for w in (0, 5))
     assert chosen.mask[inner].all()
     assert not chosen.mask[~outer].any()
     lengths = [float(np.linalg.norm(np.diff(gap, axis=0), axis=1).sum()) for gap in chosen.gaps]
