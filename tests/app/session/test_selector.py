@@ -39,3 +39,12 @@ def test_an_accepted_object_in_a_volume_is_a_limit_unless_it_may_overlap_or_is_c
     selected_elsewhere = replace(item, clicks=(Click(((1.0, 1.0, 1.0),)),))
     (left,) = Selector(after_run, (selected_elsewhere,), found=(offered,)).proposals
     np.testing.assert_array_equal(left.selection.mask, offered.selection.mask & ~half)
+
+
+@pytest.mark.parametrize("is_sure", [True, False])
+def test_an_answer_that_was_seen_gives_way_to_another_object_only_if_that_is_likelier(is_sure: bool) -> None:
+    there, clicks = partition(example("disks")), (Click(((32.0, 18.0),)),)
+    other = there.select([(32, 46)])
+    seen = other if is_sure else replace(other, confidence=0.1)
+    found = Selector(there, (), shown={clicks: seen}).selection_for(clicks)
+    assert found.contains(np.array([(32.0, 46.0)])).all() == is_sure

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -21,6 +21,8 @@ from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
     MAX_OFFERED_PIXELS,
     AnyPartition,
+    EverywhereRun,
+    PartitionSource,
     PartitionUpdater,
     Selector,
     find_proposals,
@@ -81,6 +83,9 @@ class ObjectSelection(QObject):
         self._is_searched = False
         """Whether the search in the partition has ended."""
         self._selectors: dict[int, Selector] = {}
+        self._selectors_source: PartitionSource | None = None
+        self._seen: dict[int, Mapping[Clicks, Selection | None]] = {}
+        """What clicks selected before the contours everywhere were known, by the number of the object."""
         self._selector: Selector | None = None
         """The selector of the object of the clicks."""
         self._asked: tuple[object, ...] = ()
@@ -378,9 +383,16 @@ class ObjectSelection(QObject):
         rejected = (*known.rejected, *self._deleted_objects)
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
+            source, before = self.partition_updater.source, self._selectors
+            waited = isinstance(source, EverywhereRun) and source == self._selectors_source
+            self._seen = {
+                key: each.answers for key, each in before.items() if waited and each.made_of[1:] == made_of[1:]
+            }
             self._selectors = {}
         if number not in self._selectors:
-            self._selectors[number] = Selector(partition, known.items, number, found, rejected, known.may_overlap)
+            self._selectors_source = self.partition_updater.source
+            limits = partition, known.items, number, found, rejected, known.may_overlap
+            self._selectors[number] = Selector(*limits, self._seen.get(number))
         return self._selectors[number]
 
     @property
@@ -527,7 +539,7 @@ class ObjectSelection(QObject):
     def _on_image_changed(self) -> None:
         self._latest.drop_waiting()
         self._finding.cancel()
-        self._selectors, self._found = {}, ()
+        self._selectors, self._seen, self._found = {}, {}, ()
         self._waiting.clear()
         self._selector = self._answered = self._pointed = self._searched = None
         self._steps, self._run_ended, self._asked = 0, False, ()

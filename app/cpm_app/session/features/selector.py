@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import cached_property
 from typing import cast
@@ -247,6 +247,9 @@ _MUCH_LARGER = 2.0
 _SAMPLED_PIXELS = 100
 """Approximate number of pixels of a selection that are compared with objects."""
 
+_SAME_OBJECT_IOU = 0.5
+"""Overlap (intersection over union) below which two answers to the same clicks are different objects."""
+
 _MAX_KEPT_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
 
@@ -268,6 +271,9 @@ class Selector:
         Objects that are not proposed again.
     overlaps : bool
         Whether selections may run over existing objects that are not frozen.
+    shown : mapping of tuple of Click to Selection, optional
+        What clicks have selected before the contours everywhere were known, which the user has seen: another object
+        takes its place only if it is more likely.
     """
 
     def __init__(
@@ -278,12 +284,14 @@ class Selector:
         found: tuple[Proposal, ...] = (),
         rejected: tuple[SegmentedObject, ...] = (),
         overlaps: bool = False,
+        shown: Mapping[Clicks, Selection | None] | None = None,
     ) -> None:
         self.partition, self.edited = partition, edited
         self.made_of = partition, items, found, rejected, overlaps
         """All that it depends on besides the object being changed."""
         self.items, self._offered, self._rejected = items, found, rejected
         self._limits = [item.region for item in items if item.number != edited and (item.frozen or not overlaps)]
+        self._shown = shown or {}
         self._known: dict[Clicks, Selection | None] = {}
         self._stepped: tuple[Clicks, tuple[Sequence[Selection], int]] | None = None
         """The clicks whose candidates were requested last, and the candidates, which take long in a volume."""
@@ -311,11 +319,19 @@ class Selector:
             made = found[min(max(default + clicks[-1].step, 0), len(found) - 1)]
         elif made is None:
             made = self.partition.select(inside, **self._other_arguments(clicks))
+            seen = self._shown.get(clicks)
+            if seen is not None and seen.confidence >= made.confidence:
+                made = made if made.region.compute_iou(seen.region) >= _SAME_OBJECT_IOU else seen
         if isinstance(self.partition, VolumePartition):
             known = (one for one in self._known.values() if one is not None and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
             _ = made.surface, made.contains(inside)  # cached on this thread, not on the window's
         return made
+
+    @property
+    def answers(self) -> Mapping[Clicks, Selection | None]:
+        """What clicks have selected, of those that are kept."""
+        return self._known
 
     def propose(self, clicks: Clicks) -> tuple[Proposal, ...]:
         """Return the object that clicks select, and then what is offered elsewhere."""
