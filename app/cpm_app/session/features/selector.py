@@ -247,7 +247,7 @@ _MUCH_LARGER = 2.0
 _SAMPLED_PIXELS = 100
 """Approximate number of pixels of a selection that are compared with objects."""
 
-_SAME_OBJECT_IOU = 0.5
+_SEEN_OBJECT_IOU = 0.5
 """Overlap (intersection over union) below which two answers to the same clicks are different objects."""
 
 _MAX_KEPT_SELECTIONS = 50
@@ -321,7 +321,7 @@ class Selector:
             made = self.partition.select(inside, **self._other_arguments(clicks))
             seen = self._shown.get(clicks)
             if seen is not None and seen.confidence >= made.confidence:
-                made = made if made.region.compute_iou(seen.region) >= _SAME_OBJECT_IOU else seen
+                made = made if made.region.compute_iou(seen.region) >= _SEEN_OBJECT_IOU else seen
         if isinstance(self.partition, VolumePartition):
             known = (one for one in self._known.values() if one is not None and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
