@@ -92,6 +92,7 @@ def test_no_label_is_cut_off(window, hand) -> None:
     assert buttons
     assert [one.text() for one in (*labels, *buttons) if one.width() < one.sizeHint().width()] == []
     column = window.panels["run"]
+    hand.wait(lambda: any(not one.visibleRegion().isEmpty() for one in column.findChildren(QLabel)))  # it is painted
     shown = [one for one in column.findChildren(QLabel) if one.isVisible() and not one.visibleRegion().isEmpty()]
     assert shown
     assert [one.text() for one in shown if one.mapTo(column, QPoint(one.width(), 0)).x() > column.width()] == []
