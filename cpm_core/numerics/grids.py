@@ -163,13 +163,12 @@ def find_label_boxes(labels: NDArray[np.integer]) -> list[tuple[int, Window]]:
 
 def find_connected_parts(mask: Mask, *, corners: bool) -> ConnectedParts:
     """Find the connected parts of a mask, shape (P, R, C); with `corners` voxels have 26 neighbors, else 6."""
-    labels, count = scipy.ndimage.label(mask, np.ones((3, 3, 3), bool) if corners else None)
-    return ConnectedParts(np.asarray(labels, np.int32), int(count))
+    return ConnectedParts(*label_parts(mask, corners=corners))
 
 
-def label_parts(mask: Mask) -> tuple[Labels, int]:
-    """Label the connected parts of a mask, whose pixels may touch at corners, from 1; return their number, too."""
-    labels, count = scipy.ndimage.label(mask, np.ones((3,) * mask.ndim))
+def label_parts(mask: Mask, *, corners: bool = True) -> tuple[Labels, int]:
+    """Label the connected parts of a mask from 1, and return their number, too; pixels connect at `corners` or not."""
+    labels, count = scipy.ndimage.label(mask, np.ones((3,) * mask.ndim) if corners else None)
     return np.asarray(labels, np.int32), int(count)
 
 

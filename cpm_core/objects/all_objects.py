@@ -19,7 +19,7 @@ import scipy
 
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import bounding_window, enclose_windows, expand_window, find_largest_part, measure_depth
-from cpm_core.numerics.parallel import run_in_parallel
+from cpm_core.numerics.parallel import map_in_parallel
 from cpm_core.numerics.types import Array, Callback, Mask
 from cpm_core.objects.candidate_regions import CandidateRegions, is_brighter_outside, is_part_of, may_be_several
 from cpm_core.objects.confidence import (
@@ -118,17 +118,14 @@ def _predict_possible(
     check: Callback,
 ) -> list[Candidate]:
     """Predict candidates from known ones, and keep those that may be objects beside the regions that were found."""
-    predicted: list[list[Candidate]] = [[] for _ in known]
 
-    def predict_some(first: int, end: int) -> None:
-        for number in range(first, end):
-            check()
-            predicted[number] = list(predict(known[number]))
+    def predict_from(candidate: Candidate) -> list[Candidate]:
+        check()
+        return list(predict(candidate))
 
-    run_in_parallel(predict_some, len(known), 1)
     return [
         one
-        for one in itertools.chain.from_iterable(predicted)
+        for one in itertools.chain.from_iterable(map_in_parallel(predict_from, known))
         if one.region.size >= MIN_OBJECT_AREA and found.may_be_object(one.region)
     ]
 

@@ -741,7 +741,7 @@ def _find_part_meant(mask: Mask, prompt: Prompt, previous: Selection | None) -> 
         return None
     box, corner = _padded_box(mask)
     parts = split_at_necks(mask[box])
-    islands, _ = scipy.ndimage.label(mask[box] & (parts == 0))  # too small for a body
+    islands, _ = label_parts(mask[box] & (parts == 0), corners=False)  # too small for a body
     parts = np.where(islands > 0, islands + parts.max(), parts)
     known = prompt.positive[:0] if previous is None else nearest_pixels(previous.inside, mask.shape)
     for pixel in surplus - corner:

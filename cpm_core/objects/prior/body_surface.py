@@ -14,7 +14,7 @@ import scipy
 
 from cpm_core.field.interpolation import value_at
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.grids import find_connected_parts, grid_points, zero_surface
+from cpm_core.numerics.grids import find_connected_parts, grid_points, nearest_pixels, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
@@ -86,7 +86,7 @@ def extract_body_surface(
         moved = np.where(held, 0.0, _find_edge_offsets(found, mean, values, size, width))
         there = vertices + moved[:, None] * found.normals / size
         if interest is not None:
-            allowed = interest[tuple(np.rint(np.clip(there, 0, last)).astype(np.int64).T)]
+            allowed = interest[tuple(nearest_pixels(there, interest.shape).T)]
             there = np.where(allowed[:, None], there, vertices)
         vertices = there
     vertices = np.clip(vertices, -0.5, last + 0.5)  # flat where the volume ends

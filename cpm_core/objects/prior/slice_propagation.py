@@ -10,6 +10,7 @@ from functools import reduce
 import numpy as np
 import scipy
 
+from cpm_core.numerics.grids import nearest_pixels
 from cpm_core.numerics.types import Array, Single
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
 from cpm_core.objects.prior.crops import CROP_SIDE, INSIDE_PROBABILITY
@@ -43,7 +44,7 @@ def propagate_slices(context: CropContext, probabilities: list[Single], network:
     ndarray of float32, shape (CROP_SIDE, CROP_SIDE, CROP_SIDE)
         Mean of the logits of the slices across the three axes.
     """
-    start = _find_nearest_step(context.positive[0])
+    start = nearest_pixels(context.positive[0], context.grays.shape).tolist()
     known = [{start[axis]: _clip_logits(probabilities[axis])} for axis in range(3)]
     outside: Single = np.full((CROP_SIDE, CROP_SIDE), -MAX_LOGIT, np.float32)
     sure = [SliceQuery(axis, start[axis], probabilities[axis], way) for axis in range(3) for way in (-1, 1)]
@@ -86,7 +87,7 @@ def propagate_correction(
         Mean of the logits of the slices that were asked across the three axes, and its weight: 1 from the first to the
         last of these slices across an axis, falling to 0 over one slice spacing beyond.
     """
-    start = _find_nearest_step(step)
+    start = nearest_pixels(step, context.grays.shape).tolist()
     probabilities = scipy.special.expit(body.logits)
     before: list[Single] = [np.moveaxis(probabilities, axis, 0) for axis in range(3)]
     queries = [SliceQuery(axis, start[axis], before[axis][start[axis]]) for axis in range(3)]
@@ -120,12 +121,6 @@ def propagate_correction(
     total = np.maximum(sum(weights), 1e-6)
     logits = np.sum([each * weight for each, weight in zip(slices, weights, strict=True)], axis=0) / total
     return logits, reduce(np.maximum, weights)
-
-
-def _find_nearest_step(step: Array) -> list[int]:
-    """Find the step of the crop on each axis that is nearest to a point, shape (3,) [steps]."""
-    nearest: list[int] = np.clip(np.rint(step).astype(int), 0, CROP_SIDE - 1).tolist()
-    return nearest
 
 
 def _is_in_volume(step: int, axis: int, context: CropContext) -> bool:

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
+from cpm_core.numerics.grids import nearest_pixels
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Index, Mask, Single
-from cpm_core.objects.prior.crops import CROP_SIDE
 from cpm_core.objects.prior.volume_slices import CropContext
 
 _GRAY_TOLERANCES = 8.0 * 1.25 ** np.arange(12)
@@ -26,7 +26,7 @@ def find_stable_regions(context: CropContext) -> Iterator[Mask]:
     doi:10.1016/j.imavis.2004.02.006). Bridges narrower than three steps are cut. Yields masks, shape
     (CROP_SIDE, CROP_SIDE, CROP_SIDE).
     """
-    step = tuple(np.clip(np.rint(context.positive[0]), 0, CROP_SIDE - 1).astype(int).tolist())
+    step = tuple(nearest_pixels(context.positive[0], context.grays.shape).tolist())
     grays = scipy.ndimage.gaussian_filter(context.grays, 1.0)
     difference = np.abs(grays - grays[step])
     for axis, (first, last) in enumerate(context.inner_steps.tolist()):

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 import PIL.Image
-import scipy
 
 import cpm_core as cpm
+from cpm_core.numerics.grids import measure_depth
 from cpm_core.numerics.types import Array, Mask
 
 MOST, GOALS, AFTER = 20, (0.85, 0.90), (1, 3, 5, 10)
@@ -52,8 +52,7 @@ def overlaps(image: cpm.Image, truth: Mask) -> Array:
     while len(reached) < MOST and found.tobytes() != truth.tobytes():
         depths = {}
         for inside in clicks:
-            depths[inside] = scipy.ndimage.distance_transform_edt(np.pad((truth != found) & (truth == inside), 1))
-            depths[inside] = depths[inside][1:-1, 1:-1]
+            depths[inside] = measure_depth((truth != found) & (truth == inside))
             depths[inside][tuple(np.array(clicks[True] + clicks[False], int).reshape(-1, 2).T)] = 0.0
         inside = bool(depths[True].max() >= depths[False].max())
         clicks[inside].append(np.unravel_index(depths[inside].argmax(), truth.shape))

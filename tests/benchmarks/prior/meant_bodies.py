@@ -20,7 +20,7 @@ from numpy.random import Generator
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 import cpm_core as cpm
-from cpm_core.numerics.grids import compute_iou
+from cpm_core.numerics.grids import compute_iou, measure_depth
 from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.objects import confidence
 from cpm_core.objects.body_evidence import measure_choice
@@ -121,7 +121,7 @@ def volumes(seed: int) -> Iterator[tuple[str, Array, Mask]]:
 def candidates(seed: int) -> Iterator[tuple[str, Array, Mask]]:
     """The features of all candidates of a click deep in each body, shape (N, 3), and which of them are right."""
     for kind, values, inside in volumes(seed):
-        depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1, 1:-1]
+        depth = measure_depth(inside)
         deep = np.argwhere(depth >= 0.5 * depth.max())
         place = deep[np.random.default_rng(seed).integers(len(deep))]
         found = [

@@ -26,7 +26,7 @@ import scipy
 sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 
 import cpm_core as cpm
-from cpm_core.numerics.grids import compute_iou
+from cpm_core.numerics.grids import compute_iou, measure_depth
 from cpm_core.numerics.types import Mask
 from cpm_core.objects import confidence
 from tests.benchmarks.prior import pictures
@@ -73,7 +73,7 @@ def scenes(folder: Path, outlined: Sequence[Path], most: int, seed: int) -> dict
 
 def deepest(mask: Mask) -> tuple[tuple[float, float], float]:
     """The place in a mask that is farthest from its border, and how far."""
-    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    depth = measure_depth(mask)
     row, col = np.unravel_index(depth.argmax(), depth.shape)
     return (float(row), float(col)), float(depth.max())
 

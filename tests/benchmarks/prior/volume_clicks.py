@@ -25,6 +25,7 @@ import scipy
 import skimage
 
 import cpm_core as cpm
+from cpm_core.numerics.grids import label_parts, measure_depth
 from cpm_core.numerics.types import Array, Mask
 from tests.benchmarks.prior.bodies import KINDS, body
 
@@ -63,7 +64,7 @@ def next_click(found: Mask, truth: Mask, clicked: set[tuple[int, ...]]) -> tuple
     for plane in np.argsort(-wrong.sum(axis=(1, 2))).tolist():
         best = (0.0, (0, 0, 0), True)
         for part, inside in ((truth & ~found)[plane], True), ((found & ~truth)[plane], False):
-            depth = scipy.ndimage.distance_transform_edt(np.pad(part, 1))[1:-1, 1:-1]
+            depth = measure_depth(part)
             for place in clicked:
                 if place[0] == plane:
                     depth[place[1:]] = 0.0
@@ -193,7 +194,7 @@ def vessels(path: Path) -> tuple[Array, Mask, tuple[float, ...]]:
     depth = scipy.ndimage.distance_transform_edt(label)
     widest = np.unravel_index(int(depth.argmax()), depth.shape)
     box = tuple(slice(max(at - 48, 0), at + 48) for at in widest)
-    parts, _ = scipy.ndimage.label(label[box], np.ones((3, 3, 3)))
+    parts, _ = label_parts(label[box])
     tree = parts == np.bincount(parts[parts > 0]).argmax()
     values = scipy.ndimage.gaussian_filter(200.0 * label[box], 0.7)
     return values + np.random.default_rng(0).normal(0.0, 20.0, values.shape), tree, image.spacing

@@ -391,8 +391,9 @@ class ObjectSelection(QObject):
             self._selectors = {}
         if number not in self._selectors:
             self._selectors_source = self.partition_updater.source
-            limits = partition, known.items, number, found, rejected, known.may_overlap
-            self._selectors[number] = Selector(*limits, self._seen.get(number))
+            self._selectors[number] = Selector(
+                partition, known.items, number, found, rejected, known.may_overlap, self._seen.get(number)
+            )
         return self._selectors[number]
 
     @property

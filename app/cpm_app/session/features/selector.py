@@ -320,8 +320,12 @@ class Selector:
         elif made is None:
             made = self.partition.select(inside, **self._other_arguments(clicks))
             seen = self._shown.get(clicks)
-            if seen is not None and seen.confidence >= made.confidence:
-                made = made if made.region.compute_iou(seen.region) >= _SEEN_OBJECT_IOU else seen
+            if (
+                seen is not None
+                and seen.confidence >= made.confidence
+                and made.region.compute_iou(seen.region) < _SEEN_OBJECT_IOU
+            ):
+                made = seen
         if isinstance(self.partition, VolumePartition):
             known = (one for one in self._known.values() if one is not None and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)

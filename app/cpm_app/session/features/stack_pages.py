@@ -246,8 +246,7 @@ class StackPages(QObject):
     def _make_fresh_page(self, number: int, here: KeptPage) -> KeptPage:
         """Make the state of an untouched page: with the shapes of the open page, or starts from the previous page."""
         if self.source.has_volumes:
-            document = without_results(here.document)
-            document = replace(document, second=here.document.second)
+            document = replace(without_results(here.document), second=here.document.second)
             return KeptPage(document, saved_document=document)
         before = self._found_pages.get(number - 1) if self.following else None
         starts = () if before is None else starts_from_contours(before.contours)
