@@ -51,13 +51,15 @@ from tests.benchmarks.prior.prompts import Chance, Prompt, View, first_prompt, v
 SHARES = {
     "people": 0.46,
     "regions": 0.05,
-    "made_up": 0.08,
-    "drawn": 0.17,
-    "nested": 0.07,
+    "made_up": 0.06,
+    "drawn": 0.12,
+    "nested": 0.06,
     "thin": 0.045,
     "tiled": 0.045,
     "tissue": 0.04,
     "radiographs": 0.04,
+    "micrographs": 0.05,
+    "sonograms": 0.03,
 }
 """How often an example is one that people have outlined, or comes from one of the pools."""
 

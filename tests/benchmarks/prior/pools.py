@@ -11,19 +11,21 @@ import numpy as np
 
 from tests.benchmarks.prior.drawn import drawn
 from tests.benchmarks.prior.lines import thin, tiled
+from tests.benchmarks.prior.micrographs import micrograph
 from tests.benchmarks.prior.nested import nested
 from tests.benchmarks.prior.pictures import Example, drawings, photographs, samples
 from tests.benchmarks.prior.radiographs import radiograph
 from tests.benchmarks.prior.scenes import made_up, regions
+from tests.benchmarks.prior.sonograms import sonogram
 from tests.benchmarks.prior.tissue import tissue
 
 REGIONS, REGIONS_OF_SAMPLES, MADE_UP, DRAWN, NESTED, THIN, TILED = 1400, 300, 3000, 7000, 2500, 1500, 1500
-TISSUE, RADIOGRAPHS = 2000, 2000
+TISSUE, RADIOGRAPHS, MICROGRAPHS, SONOGRAMS = 2000, 2000, 2500, 1500
 """How many there are of each."""
 
-SEED, SEED_OF_SAMPLES, SEED_OF_DRAWINGS, SEED_OF_LINES, SEED_OF_TISSUE = 5, 6, 11, 12, 13
-"""Seeds of scenes without drawings, of the regions of scikit-image's samples, of scenes with drawings, of lines, and of
-tissue and radiographs."""
+SEED, SEED_OF_SAMPLES, SEED_OF_DRAWINGS, SEED_OF_LINES, SEED_OF_TISSUE, SEED_OF_CELLS = 5, 6, 11, 12, 13, 14
+"""Seeds of scenes without drawings, of the regions of scikit-image's samples, of scenes with drawings, of lines, of
+tissue and radiographs, and of micrographs and sonograms."""
 
 _GROUND = 200
 """Pixels along each side of photographs that become grounds."""
@@ -55,8 +57,11 @@ def pools(outlined: Sequence[Path], drawn_folders: Sequence[Path]) -> dict[str, 
     lines, tiles = [thin(rng) for _ in range(THIN)], [tiled(rng) for _ in range(TILED)]
     rng = np.random.default_rng(SEED_OF_TISSUE)
     sections, exposures = [tissue(rng) for _ in range(TISSUE)], [radiograph(rng) for _ in range(RADIOGRAPHS)]
+    rng = np.random.default_rng(SEED_OF_CELLS)
+    cells, lesions = [micrograph(rng) for _ in range(MICROGRAPHS)], [sonogram(rng) for _ in range(SONOGRAMS)]
     scenes = {"regions": found, "made_up": shapes, "drawn": pasted, "nested": seen_through}
-    return scenes | {"thin": lines, "tiled": tiles, "tissue": sections, "radiographs": exposures}
+    scenes |= {"thin": lines, "tiled": tiles, "tissue": sections, "radiographs": exposures}
+    return scenes | {"micrographs": cells, "sonograms": lesions}
 
 
 def _slim(example: Example) -> Example:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Mask, Pixels, Single
 from tests.benchmarks.prior.pictures import Example
-from tests.benchmarks.prior.shapes import FULL_TURN
+from tests.benchmarks.prior.shapes import FULL_TURN, direction, within
 from tests.benchmarks.prior.textures import blurred, log_uniform, noise, texture
 
 _MIN_AREA = 120
@@ -46,14 +46,14 @@ def _chains(side: int, rng: Generator) -> list[Mask]:
     spread = rng.uniform(-0.02, 0.15)
     bones = []
     for number in range(count):
-        place = rng.uniform(0.4, 0.6, 2) * side - 0.5 * side * rng.uniform(0.3, 1) * _direction(ahead)
-        place = place + (number - (count - 1) / 2) * width * rng.uniform(3.2, 4.5) * _direction(across)
+        place = rng.uniform(0.4, 0.6, 2) * side - 0.5 * side * rng.uniform(0.3, 1) * direction(ahead)
+        place = place + (number - (count - 1) / 2) * width * rng.uniform(3.2, 4.5) * direction(across)
         angle = ahead + (number - (count - 1) / 2) * spread
         wide, long = width * rng.uniform(0.85, 1.15), width * rng.uniform(5, 14)
         for _ in range(rng.integers(1, 5)):
             bones.append(_long_bone(side, place, angle, long, wide, rng))
             gap = rng.uniform(-0.12, 0.5) * wide
-            place = place + (long + gap) * _direction(angle)
+            place = place + (long + gap) * direction(angle)
             angle += rng.normal(0, 0.12)
             wide, long = wide * rng.uniform(0.75, 1), max(long * rng.uniform(0.55, 0.85), 2.5 * wide)
     return bones
@@ -71,10 +71,10 @@ def _long_bone(side: int, start: Array, angle: float, length: float, width: floa
     half = half * np.sqrt(1 - (1 - cap) ** 2)
     sides = half * (1 + rng.normal(0, 0.08, (2, 1)) * np.sin(np.pi * along) + 0.04 * rng.normal(size=(2, 1)))
     bend = length * rng.normal(0, 0.03) * np.sin(np.pi * along)
-    middle = start + (along * length)[:, None] * _direction(angle) + bend[:, None] * _direction(angle + np.pi / 2)
-    out = _direction(angle + np.pi / 2)
+    middle = start + (along * length)[:, None] * direction(angle) + bend[:, None] * direction(angle + np.pi / 2)
+    out = direction(angle + np.pi / 2)
     outline = np.r_[middle + sides[0][:, None] * out, (middle - sides[1][:, None] * out)[::-1]]
-    return _filled(side, outline)
+    return within(side, outline)
 
 
 def _short_bones(side: int, rng: Generator) -> list[Mask]:
@@ -87,7 +87,7 @@ def _short_bones(side: int, rng: Generator) -> list[Mask]:
         for order in range(2, 5):
             radii += size * 0.1 * rng.normal() * np.cos(order * angles + rng.uniform(0, FULL_TURN))
         place = middle + rng.normal(0, 1.6 * size, 2)
-        bones.append(_filled(side, place + radii[:, None] * np.c_[np.sin(angles), np.cos(angles)]))
+        bones.append(within(side, place + radii[:, None] * np.c_[np.sin(angles), np.cos(angles)]))
     return bones
 
 
@@ -120,14 +120,3 @@ def _absorbing(bone: Mask, wall: float, rim_share: float, grain: float, rng: Gen
     beams = grain * noise(len(bone), rng.uniform(1.5, 4), rng)
     edge = np.clip(depth / 1.5, 0, 1)
     return edge * ((1 - rim_share) + rim_share * rim * uneven + beams) * bone
-
-
-def _filled(side: int, outline: Array) -> Mask:
-    """A mask with an outline (row, col)."""
-    mask = np.zeros((side, side), np.uint8)
-    cv2.fillPoly(mask, [np.round(outline[:, ::-1] * 8).astype(np.int32)], 1, shift=3)
-    return mask > 0
-
-
-def _direction(angle: float) -> Array:
-    return np.array([np.sin(angle), np.cos(angle)])

@@ -72,10 +72,36 @@ def _draw_limbs(mask: Pixels, middle: Array, radius: float, rng: Generator) -> N
         angle = rng.uniform(0, FULL_TURN)
         width = max(2, int(radius * rng.uniform(0.08, 0.4)))
         for _ in range(rng.integers(1, 4)):
-            end = joint + _direction(angle) * radius * rng.uniform(0.4, 1.1)
+            end = joint + direction(angle) * radius * rng.uniform(0.4, 1.1)
             cv2.line(mask, _pixel(joint), _pixel(end), 1, width)
             joint = end
             angle += rng.uniform(-0.9, 0.9)
+
+
+def blob(
+    side: int, middle: Array, radius: float, stretch: float, waves: float, rng: Generator, turn: float | None = None
+) -> Mask:
+    """A round outline with low waves, stretched along one direction."""
+    angles = np.linspace(0, 2 * np.pi, 80, endpoint=False)
+    radii = np.full_like(angles, radius)
+    for order in range(2, 6):
+        radii += radius * waves * rng.normal() / np.sqrt(order - 1) * np.cos(order * angles + rng.uniform(0, FULL_TURN))
+    turn = rng.uniform(0, FULL_TURN) if turn is None else turn
+    turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    ends = np.c_[radii * np.cos(angles) * np.exp(stretch / 2), radii * np.sin(angles) * np.exp(-stretch / 2)] @ turned
+    return within(side, ends + middle)
+
+
+def within(side: int, outline: Array) -> Mask:
+    """What lies in an outline (row, col), shape (side, side)."""
+    mask = np.zeros((side, side), np.uint8)
+    cv2.fillPoly(mask, [np.round(outline[:, ::-1] * 8).astype(np.int32)], 1, shift=3)
+    return mask > 0
+
+
+def direction(angle: float) -> Array:
+    """The step (row, col) of one pixel at an angle."""
+    return np.array([np.sin(angle), np.cos(angle)])
 
 
 def smooth_shape(side: int, drawings: Sequence[Example], size: float, rng: Generator) -> Mask:
@@ -108,17 +134,17 @@ def limbs(side: int, rng: Generator) -> tuple[Mask, list[Mask]]:
     first = rng.uniform(0, FULL_TURN)
     for number in range(count):
         angle = first + number * rng.uniform(0.3, 0.8)
-        joint = root + _direction(angle) * side * rng.uniform(0.02, 0.1)
+        joint = root + direction(angle) * side * rng.uniform(0.02, 0.1)
         width = usual * rng.uniform(0.7, 1.2)
         for _ in range(rng.integers(1, 5)):
-            end = joint + _direction(angle) * (width * rng.uniform(1.5, 4.5))
+            end = joint + direction(angle) * (width * rng.uniform(1.5, 4.5))
             cv2.line(flesh, _pixel(joint), _pixel(end), 1, max(int(width * rng.uniform(1.5, 2.6)), 3))
             bone = np.zeros((side, side), np.uint8)
             cv2.line(bone, _pixel(joint), _pixel(end), 1, max(int(width * rng.uniform(0.5, 0.9)), 2))
             for knob in (joint, end):
                 cv2.circle(bone, _pixel(knob), max(int(width * rng.uniform(0.35, 0.6)), 1), 1, -1)
             bones.append(bone > 0)
-            joint = end + _direction(angle) * width * rng.uniform(0.1, 0.9)
+            joint = end + direction(angle) * width * rng.uniform(0.1, 0.9)
             angle += rng.normal(0, 0.2)
             width *= rng.uniform(0.75, 1)
     return cv2.morphologyEx(flesh, cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8)) > 0, bones
@@ -143,10 +169,6 @@ def _waves(angles: Array, orders: int, height: float, decay: tuple[float, float]
 def _fill(mask: Pixels, corners: Array) -> None:
     """Fill a polygon with corners (col, row)."""
     cv2.fillPoly(mask, [np.round(corners).astype(np.int32)], 1)
-
-
-def _direction(angle: float) -> Array:
-    return np.array([np.sin(angle), np.cos(angle)])
 
 
 def _pixel(place: Array) -> tuple[int, int]:

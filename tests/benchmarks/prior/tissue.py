@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Mask, Pixels, Single
 from tests.benchmarks.prior.pictures import Example, largest_part
-from tests.benchmarks.prior.shapes import FULL_TURN
+from tests.benchmarks.prior.shapes import FULL_TURN, blob
 from tests.benchmarks.prior.textures import blurred, log_uniform, noise, texture
 
 _ABSORPTION = {
@@ -50,7 +50,7 @@ def _gland(side: int, size: float, rng: Generator) -> tuple[Mask, Mask]:
     """A gland and the lumen in it."""
     middle = rng.uniform(0.25, 0.75, 2) * side
     radius = min(size * rng.uniform(1.8, 4), 0.4 * side)
-    gland = _blob(side, middle, radius, rng.uniform(0, 0.4), 0.12, rng)
+    gland = blob(side, middle, radius, rng.uniform(0, 0.4), 0.12, rng)
     depth = cv2.distanceTransform(gland.astype(np.uint8), cv2.DIST_L2, 3)
     return gland, depth + 1.5 * noise(side, size, rng) > size * rng.uniform(1.1, 1.6)
 
@@ -75,25 +75,9 @@ def _nuclei(side: int, size: float, gland: Mask, lumen: Mask, rng: Generator) ->
     for place in places[:wanted]:
         turn = usual_turn + rng.normal(0, turns)
         stretch = abs(rng.normal(slenderness, 0.15))
-        nucleus = _blob(side, place, 0.5 * size * np.exp(rng.normal(0, 0.18)), stretch, 0.06, rng, turn) & ~lumen
+        nucleus = blob(side, place, 0.5 * size * np.exp(rng.normal(0, 0.18)), stretch, 0.06, rng, turn) & ~lumen
         masks = [before & ~nucleus for before in masks] + [nucleus]
     return masks
-
-
-def _blob(
-    side: int, middle: Array, radius: float, stretch: float, waves: float, rng: Generator, turn: float | None = None
-) -> Mask:
-    """A round outline with low waves, stretched along one direction."""
-    angles = np.linspace(0, 2 * np.pi, 80, endpoint=False)
-    radii = np.full_like(angles, radius)
-    for order in range(2, 6):
-        radii += radius * waves * rng.normal() / np.sqrt(order - 1) * np.cos(order * angles + rng.uniform(0, FULL_TURN))
-    turn = rng.uniform(0, FULL_TURN) if turn is None else turn
-    turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    ends = np.c_[radii * np.cos(angles) * np.exp(stretch / 2), radii * np.sin(angles) * np.exp(-stretch / 2)] @ turned
-    mask = np.zeros((side, side), np.uint8)
-    cv2.fillPoly(mask, [np.round((ends + middle)[:, ::-1] * 8).astype(np.int32)], 1, shift=3)
-    return mask > 0
 
 
 def _stained(nuclei: list[Mask], gland: Mask, lumen: Mask, size: float, rng: Generator) -> Pixels:
