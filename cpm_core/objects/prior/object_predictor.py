@@ -61,6 +61,12 @@ _MAX_IMAGE_SHARE = 0.5
 SAME_OBJECT_IOU = 0.7
 """Overlap of the answers to two crops above which they mean the same object."""
 
+_CLOSE_SCORE = 0.1
+"""Difference in scores up to which answers are ranked once more when they are refined.
+
+Among the best answers to 590 first clicks in objects that people outlined, more made no difference.
+"""
+
 MAX_PREDICTIONS = 4
 """Largest number of objects that one prompt may mean."""
 
@@ -154,7 +160,7 @@ class CropPrediction(NamedTuple):
         off = 0.0 if known_area is None else abs(float(np.log(max(known_area, 1.0)) - area))
         if drawn is not None:
             off += max(float(area - np.log(_MAX_DRAWN_RATIO * max(int(np.count_nonzero(drawn)), 1))), 0.0)
-        return self.predicted_iou - AREA_PENALTY * off
+        return 0.5 * (self.predicted_iou + self.mean_certainty) - AREA_PENALTY * off
 
     @property
     def mean_certainty(self) -> float:
@@ -236,32 +242,33 @@ class ObjectPredictor:
             found, _ = self._refine_prediction(answer, prompt, 1.0, _MIN_CROP_REFINEMENTS)
             yield self._refine_corrections(found, prompt, prompt.previous_mask)
             return
-        cut: list[Prediction] = []
-        yield from put_surroundings_last(self._predict_by_score(prompt, known_area, cut), prompt)
-        yield from cut
+        yield from put_surroundings_last(self._rank_predictions(prompt, known_area), prompt)
 
-    def _predict_by_score(
-        self, prompt: Prompt, known_area: float | None, cut: list[Prediction]
-    ) -> Iterator[Prediction]:
-        """Predict different objects that a prompt may mean, those of the best score first; those cut go to a list."""
+    def _rank_predictions(self, prompt: Prompt, known_area: float | None) -> Iterator[Prediction]:
+        """Predict different objects that a prompt may mean, those of the best score first, and last those cut.
+
+        Those whose scores are close are ranked once more when they are refined.
+        """
+
+        def score(answer: CropPrediction) -> float:
+            return answer.compute_score(known_area, prompt.drawn_area)
+
         answers = [self._predict_crop(window, prompt, None) for window in self._propose_crops(prompt)]
-        answers.sort(key=lambda answer: -answer.compute_score(known_area, prompt.drawn_area))
-        distinct: list[CropPrediction] = []
-        for answer in answers:
-            if distinct and (
-                not answer.has_object() or any(answer.compute_iou_with(one) > SAME_OBJECT_IOU for one in distinct)
-            ):
-                continue
-            distinct.append(answer)
-            others = [one for one in answers if one is not answer]
-            agreement = max((answer.compute_iou_with(other) for other in others), default=1.0)
-            found, last = self._refine_prediction(answer, prompt, agreement, 0)
-            if last.is_cut(self.values.shape[:2]):
-                cut.append(found)
-            else:
-                yield found
-            if len(distinct) == MAX_PREDICTIONS:
-                return
+        answers.sort(key=score, reverse=True)
+        distinct = _choose_distinct(answers)
+        close = sum(score(answer) > score(distinct[0]) - _CLOSE_SCORE for answer in distinct)
+        cut: list[Prediction] = []
+        for group in (distinct[:close], *([answer] for answer in distinct[close:])):
+            refined: list[tuple[float, Prediction]] = []
+            for answer in group:
+                agreement = max((answer.compute_iou_with(one) for one in answers if one is not answer), default=1.0)
+                found, last = self._refine_prediction(answer, prompt, agreement, 0)
+                if last.is_cut(self.values.shape[:2]):
+                    cut.append(found)
+                else:
+                    refined.append((score(answer) + score(last), found))
+            yield from (found for _, found in sorted(refined, key=lambda one: -one[0]))
+        yield from cut
 
     def predict_at_scales(self, pixel: Index, largest: float) -> Iterator[Prediction]:
         """Predict the object around a pixel in crops of several sizes up to the largest [px], without refinement."""
@@ -366,6 +373,17 @@ class ObjectPredictor:
     @cached_property
     def _sampler(self) -> ImageSampler:
         return ImageSampler(self.values, self.gray_range)
+
+
+def _choose_distinct(answers: Iterable[CropPrediction]) -> list[CropPrediction]:
+    """Choose the first answers that differ from one another; the first of all may be empty."""
+    distinct: list[CropPrediction] = []
+    for answer in answers:
+        if not distinct or (
+            answer.has_object() and all(answer.compute_iou_with(one) <= SAME_OBJECT_IOU for one in distinct)
+        ):
+            distinct.append(answer)
+    return distinct[:MAX_PREDICTIONS]
 
 
 def put_surroundings_last(ranked: Iterable[Prediction], prompt: Prompt) -> Iterator[Prediction]:
