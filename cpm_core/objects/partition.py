@@ -390,7 +390,8 @@ class Partition(drawing.Pictured):
         if request.is_empty:
             return self.build_selection(mask, inside, outside, remark or "No point is marked as inside.")
         if previous is not None and np.array_equal(mask, previous.mask):
-            return replace(previous, inside=inside, outside=outside, remark=remark)
+            known = previous.remark if previous.remark in (_NO_OBJECT_REMARK, _UNLIKELY_REMARK) else ""
+            return replace(previous, inside=inside, outside=outside, remark=remark or known)
         answer = self.build_selection(mask, inside, outside, remark, found.features, found.unambiguous)
         if self.model and found.features is not None:
             answer = replace(answer, model=model_title(self.model))

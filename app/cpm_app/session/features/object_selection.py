@@ -459,7 +459,7 @@ class ObjectSelection(QObject):
         before = self.proposals
         self._set_proposals(proposals)
         remark = translate_core_text(proposals[0].selection.remark) if clicks and proposals else ""
-        remark = remark or describe_no_effect(before, proposals)
+        remark = " ".join(filter(None, (remark, describe_no_effect(before, proposals))))
         if remark and remark != self._remark:  # once
             self._session.messages.show(remark, category=EDITING_CATEGORY)
         self._remark = remark
