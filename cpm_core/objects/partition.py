@@ -414,6 +414,8 @@ class Partition(drawing.Pictured):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         if previous is not None and not isinstance(previous, Selection):
             raise ValueError(f"previous is {quote_value(previous)} but must be a selection.")
+        if len(line) > 1:  # what it means depends on its shape alone, not on its vertices
+            line = polyline.sample_path(line, 1.0)
         if is_closed_line(line):  # around the object, not in it
             within, line = np.concatenate([close_line(line, self.shape), within]), NO_POINTS
         free = self.interest
@@ -449,7 +451,7 @@ class Partition(drawing.Pictured):
             if not is_line(area):  # which counts as points
                 prompt = replace(prompt, drawn_area=area, positive=prompt.positive[:0])
         if len(line):
-            along, _ = self._resolve_points(polyline.sample_path(line, 1.0) if len(line) > 1 else line, NO_POINTS, free)
+            along, _ = self._resolve_points(line, NO_POINTS, free)
             prompt = replace(prompt, positive=np.concatenate([prompt.positive, along.positive]))
         if len(corners):
             (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)

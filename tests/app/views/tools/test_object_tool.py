@@ -350,8 +350,9 @@ def test_a_stroke_says_the_same_of_all_that_it_crosses_and_is_one_step_of_undo(w
     assert not objects.selecting
 
 
-def test_a_stroke_around_an_object_whose_ends_nearly_meet_selects_it(window, hand, objects) -> None:
-    turns = np.linspace(0.4, 2.0 * np.pi, 30)
+@pytest.mark.parametrize("corners", [6, 30])
+def test_a_stroke_around_an_object_whose_ends_nearly_meet_selects_it(window, hand, objects, corners) -> None:
+    turns = np.linspace(0.4, 2.0 * np.pi, corners)
     hand.drag(*((18.0 + 13.0 * np.sin(turn), 18.0 + 13.0 * np.cos(turn)) for turn in turns))
     hand.wait(lambda: bool(objects.proposals))
     assert overlap(offered(objects), disk(*SMALL)) > 0.9
