@@ -47,7 +47,7 @@ def list_channels(parts: FileParts | None) -> tuple[Channel, ...]:
 
     Colors that are all the same say nothing: programs write white where nobody has chosen any.
     """
-    if parts is None or parts.channels == 1 or parts.has_colors:
+    if parts is None or not parts.has_composite:
         return ()
     usual, styles = tuple(CHANNEL_COLORS), parts.channel_styles
     if len(styles) != parts.channels:

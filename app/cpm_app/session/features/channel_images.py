@@ -12,8 +12,9 @@ from PySide6.QtCore import QObject
 from cpm_app.model.display.channels import Channel
 from cpm_app.model.display.display_image import build_display_image
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import ImageOpened
+from cpm_app.session.exchange.messages import ImageOpened, WorkFinished
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import OPENING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core.formats.images.readers import load_channel
 from cpm_core.numerics.types import copy_with
@@ -47,9 +48,11 @@ class ChannelImages(QObject):
             index, name = min(missing), self._opened.path.name
             self._known[index] = self._listed[index]  # a channel that cannot be read is read only once
             title, activity = tr("Reading {name}…", name=name), tr("reading {name}", name=name)
-            use = partial(self._use, self._part, index)
+            use, fail = partial(self._use, self._part, index), partial(self._on_failure, self._part, index)
             read = partial(_read_channel, self._opened, self._listed[index], index)
-            self._task = self._session.tasks.start_task(title, read, activity, on_result=use)
+            self._task = self._session.tasks.start_task(
+                title, read, activity, lambda reason: WorkFinished(partial(fail, reason)), on_result=use
+            )
 
     def _on_image_opened(self, opened: ImageOpened) -> None:
         """Forget the channels, unless another one of the same part of the file is open now."""
@@ -67,6 +70,13 @@ class ChannelImages(QObject):
         if part == self._part:
             self._known[index], self._task = channel, ENDED_TASK
             self.show(self._wanted)
+
+    def _on_failure(self, part: tuple[object, ...], index: int, reason: str) -> None:
+        """Say why a channel is not shown, and read the others."""
+        if part == self._part:
+            text = tr("Channel {name} is not shown: {reason}", name=self._listed[index].name, reason=reason)
+            self._session.messages.show(text, True, OPENING_CATEGORY)
+            self._use(part, index, self._listed[index])
 
 
 def _read_channel(opened: ImageOpened, channel: Channel, index: int, _: BackgroundTask) -> Channel:

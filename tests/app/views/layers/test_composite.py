@@ -258,3 +258,19 @@ def test_red_green_and_blue_are_no_channels_of_a_composite(window, hand, tmp_pat
     tifffile.imwrite(tmp_path / "rgb.tif", np.moveaxis(squares(), 0, -1).astype(np.uint8), photometric="rgb")
     open_file(window, hand, tmp_path / "rgb.tif")
     assert not bar(window).isVisible() and window.session.scene.channels == ()
+
+
+def test_of_channels_one_of_which_cannot_be_read_the_others_are_shown(window, hand, tmp_path, monkeypatch) -> None:
+    tifffile.imwrite(tmp_path / "cut.tif", squares(), photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    load = channel_images.load_channel
+
+    def load_all_but_one(path, reading, *given):
+        if reading.channel == 2:
+            raise ValueError("cut.tif is damaged or cut short.")
+        return load(path, reading, *given)
+
+    monkeypatch.setattr(channel_images, "load_channel", load_all_but_one)
+    open_file(window, hand, tmp_path / "cut.tif")
+    hand.wait(lambda: 2 in layer(window).shown_channels)
+    assert colors(hand) == [(0, 0, 255), (0, 0, 0), (255, 0, 0)]
+    assert window.canvas_area.messages.text == "Channel 2 is not shown: cut.tif is damaged or cut short."
