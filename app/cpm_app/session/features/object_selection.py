@@ -85,7 +85,7 @@ class ObjectSelection(QObject):
         self._selectors: dict[int, Selector] = {}
         self._selectors_source: PartitionSource | None = None
         self._seen: dict[int, Mapping[Clicks, Selection | None]] = {}
-        """What clicks selected before the contours everywhere were known, by the number of the object."""
+        """What clicks selected before contours or objects changed, by the number of the object."""
         self._selector: Selector | None = None
         """The selector of the object of the clicks."""
         self._asked: tuple[object, ...] = ()
@@ -385,9 +385,7 @@ class ObjectSelection(QObject):
         if any(each.made_of != made_of for each in self._selectors.values()):
             source, before = self.partition_updater.source, self._selectors
             waited = isinstance(source, EverywhereRun) and source == self._selectors_source
-            self._seen = {
-                key: each.answers for key, each in before.items() if waited and each.made_of[1:] == made_of[1:]
-            }
+            self._seen = {key: each.recall(known.clicks) for key, each in before.items() if waited}
             self._selectors = {}
         if number not in self._selectors:
             self._selectors_source = self.partition_updater.source
