@@ -90,7 +90,7 @@ class ImageLayer(Layer):
     shortcut = "Alt+0"
     options = (
         Option(
-            "shown",
+            "content",
             tr("Shown"),
             _SHOW_COLORS,
             tr("All channels, each in its color, or the channel in which a run finds edges."),
@@ -164,7 +164,7 @@ class ImageLayer(Layer):
     def has_effect(self, name: str) -> bool:
         """Tell whether an option has an effect: a single channel has no colors, colors have no color map."""
         colored = bool(self.looks) or (self.scene.image is not None and self.scene.image.colors is not None)
-        return {"shown": colored, "map": not colored or self.get_choice("shown") == _SHOW_CHANNEL}.get(name, True)
+        return {"content": colored, "map": not colored or self.get_choice("content") == _SHOW_CHANNEL}.get(name, True)
 
     def view_state(self) -> dict[str, object]:
         """Return the state, with the channels, and the window if it was set by hand."""
@@ -173,6 +173,7 @@ class ImageLayer(Layer):
 
     def use_view_state(self, state: dict[str, object]) -> None:
         """Restore the state, the channels and the window."""
+        state = {"content": state.get("shown"), **state}  # its name in older sessions
         kept = state.get("channels")
         if self.looks and isinstance(kept, list) and len(kept) == len(self.looks):
             with suppress(ValueError):
@@ -190,11 +191,11 @@ class ImageLayer(Layer):
     @property
     def is_composite(self) -> bool:
         """Whether all channels of the file are shown together."""
-        return bool(self.looks) and self.get_choice("shown") == _SHOW_COLORS
+        return bool(self.looks) and self.get_choice("content") == _SHOW_COLORS
 
     def toggle_composite(self) -> None:
         """Show all channels together, or the open one alone."""
-        self.set_option("shown", _SHOW_CHANNEL if self.is_composite else _SHOW_COLORS)
+        self.set_option("content", _SHOW_CHANNEL if self.is_composite else _SHOW_COLORS)
 
     @property
     def wanted_channels(self) -> frozenset[int]:
@@ -329,7 +330,7 @@ class ImageLayer(Layer):
     def _channel(self) -> str | None:
         """Channel that is shown; None for an image in color."""
         image = self.scene.image
-        if image is None or (image.colors is not None and self.get_choice("shown") == _SHOW_COLORS):
+        if image is None or (image.colors is not None and self.get_choice("content") == _SHOW_COLORS):
             return None
         return image.resolve_channel(self.scene.document.parameters.channel)
 

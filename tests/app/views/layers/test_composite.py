@@ -36,7 +36,7 @@ def composite(window, hand, tmp_path):
     tifffile.imwrite(tmp_path / "three.tif", squares(), photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
     open_channels(window, hand, tmp_path / "three.tif")
     yield window
-    layer(window).set_option("shown", "colors")
+    layer(window).set_option("content", "colors")
 
 
 def layer(window):
