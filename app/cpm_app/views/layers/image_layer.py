@@ -296,10 +296,10 @@ class ImageLayer(Layer):
         elif (image, scene.display, channel) != (before.image, before.display, last):
             self._update_shades()  # another slice of the volume, another pixel size, or a completed preview
         elif scene.channels != before.channels:
-            known = self.looks.copy()
+            former_looks = self.looks.copy()
             self._choose_looks()
             self._show_image()
-            if self.looks != known:
+            if self.looks != former_looks:
                 self.changed.emit()
         # of two pending requests, only the newer one may be shown
         wanted = image, self.shown_window, self._channel
