@@ -78,7 +78,7 @@ class Surface:
 
     def __post_init__(self) -> None:
         vertices = check_rows("vertices", self.vertices, 3).copy()
-        faces = check_rows("faces", self.faces, 3).astype(np.int64)
+        faces = check_rows("faces", self.faces, 3, "indices of three vertices").astype(np.int64)
         wrong = faces[(faces < 0) | (faces >= len(vertices))]
         if len(wrong):
             raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")

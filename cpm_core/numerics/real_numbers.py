@@ -43,13 +43,16 @@ def as_real_array(values: ArrayLike) -> Array:
     return given.astype(float, copy=False)
 
 
-def check_rows(what: str, given: ArrayLike, axes: int) -> Array:
-    """Return points or vectors, one a row, shape (N, D); raise ValueError, which says what they are, for others."""
+def check_rows(what: str, given: ArrayLike, axes: int, columns: str = "") -> Array:
+    """Return points or vectors, one a row, shape (N, D); raise ValueError, which says what they are, for others.
+
+    The error names the `columns`, by default the axes of an image or a volume.
+    """
     rows = as_real_array(given)
     if rows.size == 0:
         return np.empty((0, axes))
     if rows.ndim != 2 or rows.shape[1] != axes:
-        columns = ("" if axes == 2 else "planes, ") + "rows and columns"
+        columns = columns or ("" if axes == 2 else "planes, ") + "rows and columns"
         raise ValueError(f"the {what} have the shape {rows.shape} but must be (N, {axes}), {columns}.")
     wrong = np.count_nonzero(~np.isfinite(rows))
     if wrong:

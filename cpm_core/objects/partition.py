@@ -45,7 +45,8 @@ from cpm_core.objects.selection import (
     EXCLUDED_POINT_REMARK,
     Candidate,
     Selection,
-    find_held_points,
+    find_newer_points,
+    is_among,
     keep_last_marks,
 )
 from cpm_core.objects.vessels import find_thin_object
@@ -390,7 +391,8 @@ class Partition(drawing.Pictured):
         if request.is_empty:
             return self.build_selection(mask, inside, outside, remark or "No point is marked as inside.")
         if previous is not None and np.array_equal(mask, previous.mask):
-            return replace(previous, inside=inside, outside=outside, remark=remark)
+            known = previous.remark if previous.remark in (_NO_OBJECT_REMARK, _UNLIKELY_REMARK) else ""
+            return replace(previous, inside=inside, outside=outside, remark=remark or known)
         answer = self.build_selection(mask, inside, outside, remark, found.features, found.unambiguous)
         if self.model and found.features is not None:
             answer = replace(answer, model=model_title(self.model))
@@ -413,6 +415,8 @@ class Partition(drawing.Pictured):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         if previous is not None and not isinstance(previous, Selection):
             raise ValueError(f"previous is {quote_value(previous)} but must be a selection.")
+        if len(line) > 1:  # what it means depends on its shape alone, not on its vertices
+            line = polyline.sample_path(line, 1.0)
         if is_closed_line(line):  # around the object, not in it
             within, line = np.concatenate([close_line(line, self.shape), within]), NO_POINTS
         free = self.interest
@@ -423,10 +427,7 @@ class Partition(drawing.Pictured):
                 )
             free = free & ~excluded.astype(bool)
         meant = within if previous is None else _replace_surrounding_points(within, previous)
-        newer = None
-        if previous is not None:
-            newer = ~_is_among(meant, previous.inside) | find_held_points(meant, beyond, previous)
-        places, remark = self._resolve_points(meant, beyond, free, newer)
+        places, remark = self._resolve_points(meant, beyond, free, previous)
         start = close_line(meant, self.shape)
         lasso = start if len(start) >= MIN_DRAWN_PLACES else NO_POINTS
         prompt = self._add_drawn_prompts(places, lasso, line, corners, free)
@@ -448,7 +449,7 @@ class Partition(drawing.Pictured):
             if not is_line(area):  # which counts as points
                 prompt = replace(prompt, drawn_area=area, positive=prompt.positive[:0])
         if len(line):
-            along, _ = self._resolve_points(polyline.sample_path(line, 1.0) if len(line) > 1 else line, NO_POINTS, free)
+            along, _ = self._resolve_points(line, NO_POINTS, free)
             prompt = replace(prompt, positive=np.concatenate([prompt.positive, along.positive]))
         if len(corners):
             (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
@@ -456,12 +457,12 @@ class Partition(drawing.Pictured):
         return prompt
 
     def _resolve_points(
-        self, inside: Array, outside: Array, free: Mask, newer: Mask | None = None
+        self, inside: Array, outside: Array, free: Mask, previous: Selection | None = None
     ) -> tuple[Prompt, str]:
         """Resolve points to pixels, with one sentence on what is unusual about them.
 
         Points on pixels that are not `free`, shape (H, W), are left out. Where the same pixel is positive and negative,
-        the positive points count that are `newer`, shape (M,).
+        the last mark counts, which the `previous` selection tells.
         """
         remark = ""
         limit = np.array(self.shape) - 1
@@ -474,8 +475,7 @@ class Partition(drawing.Pictured):
             remark = "A point outside the regions of interest is ignored."
         elif not free[tuple(pixels.T)].all():
             remark = EXCLUDED_POINT_REMARK
-        newer = np.zeros(len(within), bool) if newer is None else newer
-        within, beyond, contradicting = keep_last_marks(within, beyond, newer)
+        within, beyond, contradicting = keep_last_marks(within, beyond, find_newer_points(inside, outside, previous))
         remark = CONFLICTING_POINT_REMARK if contradicting else remark
         return Prompt(*(pixels[free[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
@@ -753,15 +753,10 @@ def _find_part_meant(mask: Mask, prompt: Prompt, previous: Selection | None) -> 
         if (
             depth[tuple(pixel)] >= _MIDDLE_DEPTH * depth.max()
             and not held.all()
-            and _is_among(prompt.positive[held], known).all()
+            and is_among(prompt.positive[held], known).all()
         ):
             return within
     return None
-
-
-def _is_among(places: Array | Index, others: Array | Index) -> Mask:
-    """Return which points, shape (N, 2), are among others, shape (N,)."""
-    return (places[:, None] == others[None]).all(axis=2).any(axis=1)
 
 
 def _replace_surrounding_points(inside: Array, before: Selection) -> Array:
@@ -769,7 +764,7 @@ def _replace_surrounding_points(inside: Array, before: Selection) -> Array:
     around = before.inside[~before.contains(before.inside)]
     if not len(around) or not before.has_boundary:
         return inside
-    rest = inside[~_is_among(inside, around)]
+    rest = inside[~is_among(inside, around)]
     parts, count = label_parts(np.pad(before.mask, 1))
     place = nearest_pixels(rest[before.contains(rest)], before.shape) + 1
     empty = np.setdiff1d(np.arange(1, count + 1), parts[tuple(place.T)])

@@ -181,10 +181,19 @@ def keep_last_marks(inside: _Points, outside: _Points, newer: Mask) -> tuple[_Po
     return inside[newer | ~same.any(axis=1)], outside[~(same & newer[:, None]).any(axis=0)], bool(same.any())
 
 
-def find_held_points(inside: Array, outside: Array, previous: Selection) -> Mask:
-    """Return which points, shape (M, D), a selection holds and no later negative point, shape (K, D), takes away.
+def find_newer_points(inside: Array, outside: Array, previous: Selection | None) -> Mask:
+    """Find the positive points, shape (M, D), that are newer than negative ones, shape (K, D), in the same place.
 
-    Of two marks that are both older than a selection, it tells by what it holds which was the last.
+    They are those that the previous selection lacks, and those that it holds, unless a later negative point takes them
+    away: of two marks that are both older than it, it tells by what it holds which was the last.
     """
+    if previous is None:
+        return np.zeros(len(inside), np.bool_)
     later = np.rint(outside[len(previous.outside) :])
-    return previous.contains(inside) & ~(np.rint(inside)[:, None] == later).all(axis=2).any(axis=1)
+    held = previous.contains(inside) & ~is_among(np.rint(inside), later)
+    return held | ~is_among(inside, previous.inside)
+
+
+def is_among(places: Array | Index, others: Array | Index) -> Mask:
+    """Return which points, shape (N, D), are among others, shape (N,)."""
+    return (places[:, None] == others[None]).all(axis=2).any(axis=1)

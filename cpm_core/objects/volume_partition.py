@@ -55,7 +55,8 @@ from cpm_core.objects.selection import (
     CONFLICTING_POINT_REMARK,
     EXCLUDED_POINT_REMARK,
     Selection,
-    find_held_points,
+    find_newer_points,
+    is_among,
     keep_last_marks,
 )
 from cpm_core.parameters.formatting import format_repr, format_size
@@ -256,7 +257,8 @@ class VolumePartition:
             found = self.remove_pixels(self.select(within[free], beyond, box=corners, previous=previous), excluded)
             return found if free.all() else replace(found, remark=EXCLUDED_POINT_REMARK)
         if previous is not None:
-            within, beyond = _append_new_points(previous.inside, within), _append_new_points(previous.outside, beyond)
+            known = (previous.inside, within), (previous.outside, beyond)
+            within, beyond = (np.concatenate([old, new[~is_among(new, old)]]) for old, new in known)
         painted = None if previous is None or not self._is_painted(previous) else previous.region
         wanted, unwanted = self._find_parts(within), self._find_parts(beyond)
         chosen = set(wanted).difference(unwanted)
@@ -305,11 +307,7 @@ class VolumePartition:
         self, inside: Array, outside: Array, box: Array, previous: Selection | None, painted: Region | None
     ) -> Selection:
         """Select a body by the network, starting from what was selected before, or by a server."""
-        newer = np.zeros(len(inside), np.bool_)
-        if previous is not None:
-            newer = np.arange(len(inside)) >= len(previous.inside)
-            newer |= find_held_points(inside, outside, previous)
-        within, beyond, contradicting = keep_last_marks(inside, outside, newer)
+        within, beyond, contradicting = keep_last_marks(inside, outside, find_newer_points(inside, outside, previous))
         remark = CONFLICTING_POINT_REMARK if contradicting else ""
         if self._interest is not None:
             here, there = (self._interest[tuple(self._find_nearest_voxels(given).T)] for given in (within, beyond))
@@ -577,12 +575,6 @@ class VolumePartition:
 
     def __repr__(self) -> str:
         return format_repr("VolumePartition", self.image.source, format_size(self.shape, "voxels"))
-
-
-def _append_new_points(before: Array, places: Array) -> Array:
-    """Append those of some points that are not among the points before."""
-    fresh = (places[:, None] != before[None]).any(axis=2).all(axis=1) if len(places) else np.zeros(0, bool)
-    return np.concatenate([before, places[fresh]])
 
 
 def _find_most_frequent(group: Index, value: Index) -> Index:

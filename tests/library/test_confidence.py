@@ -14,6 +14,8 @@ def test_an_answer_in_the_background_says_that_there_may_be_no_object():
         chosen = partition.select([place])
         assert chosen.remark == remark
         assert (chosen.confidence < 0.05) == bool(remark)
+        again = partition.select([place, (place[0], place[1] + 1)], previous=chosen)
+        assert again.has_same_region(chosen) and again.remark == remark
 
 
 def test_all_objects_are_at_least_as_sure_as_asked():

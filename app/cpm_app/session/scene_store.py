@@ -83,6 +83,9 @@ class SceneStore(QObject):
         """Number of the current run; snapshots and reports of other runs are not shown."""
         self.image_generation = 0
         """Number under which the image was opened."""
+        self._written: tuple[str, ...] = ()
+        """What has been written since an export was last requested."""
+        messages.cleared.connect(self._on_messages_cleared)
         self._deferring = self._status_deferred = False
         self._listeners: dict[type[Report], list[Callable[[Any], object]]] = {}
 
@@ -179,6 +182,10 @@ class SceneStore(QObject):
             text = tr("Making the surface…") if in_volume else tr("Making the contours…")
             self.set_busy("reconstructing", text)
 
+    def _on_messages_cleared(self, category: str) -> None:
+        if category == EXPORTING_CATEGORY:
+            self._written = ()
+
     def _on_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
         if isinstance(found, ReconstructionFailed):
             trouble = found.message
@@ -239,8 +246,10 @@ class SceneStore(QObject):
                 if generation == self.image_generation:
                     self._update_scene(image_seeds=image_seeds)
             case FilesExported(path, counts):
-                written = tr("Written: {path}", path=path)
-                self._messages.show(f"{written} ({counts})" if counts else written, category=EXPORTING_CATEGORY)
+                name = path.name if self._written else str(path)
+                self._written = (*self._written, f"{name} ({counts})" if counts else name)
+                written = tr("Written: {path}", path="; ".join(self._written))
+                self._messages.show(written, category=EXPORTING_CATEGORY)
             case CommandFailed(sentence, topic):
                 self._messages.show(sentence, True, topic)
             case CompilationProgress(percent) if "preparing" in self._busy:

@@ -7,6 +7,7 @@ import math
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -111,7 +112,8 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         if len(all_series) == 1 and pages.size < int(hyperstack.get("images", 1)):
             raise ValueError("it has fewer images than its description says")
         curve, calibrated = _parse_calibration(hyperstack, keyframe)
-        ranges = hyperstack.get("Ranges", ())
+        ends = hyperstack.get("Ranges", ())
+        ranges = dict(enumerate(zip(ends[::2], ends[1::2], strict=False)))
         bands = _count_bands(keyframe)
         size = dict(zip(series.axes, series.shape, strict=True))
         sides = (int(size["Y"]), int(size["X"]))
@@ -132,7 +134,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
             found = _decode_pages(_list_series(file)[number], pages[time, channel, first:end], band, name)
         if curve:
             return replace(found, values=np.polynomial.Polynomial(curve)(found.values))
-        low, high = ranges[2 * channel : 2 * channel + 2] or (0.0, 0.0)
+        low, high = ranges.get(channel, (0.0, 0.0))
         return replace(found, window=(low, high)) if low < high and found.colors is None else found
 
     return Stack(
@@ -376,12 +378,19 @@ def _read_interval(file: tifffile.TiffFile, series: int) -> float | None:
 
 
 def _read_channel_styles(file: tifffile.TiffFile, series: int) -> tuple[tuple[str, str], ...]:
-    """Read name and color of each channel, as in `Stack`, from OME or ImageJ, whose tables may run down to black."""
+    """Read name and color of each channel, as in `Stack`, from OME or ImageJ, whose tables may run down to black.
+
+    ImageJ labels planes, channel by channel: a label that all planes of a channel have is its name.
+    """
     if file.ome_metadata:
         channels = _find_ome_pixels(file.ome_metadata, series).findall("{*}Channel")
         return tuple((make_printable(one.get("Name", "")), _parse_ome_color(one.get("Color"))) for one in channels)
-    tables = (file.imagej_metadata or {}).get("LUTs", ())
-    return tuple(("", f"#{bytes(np.asarray(table, np.uint8).max(axis=1)).hex()}") for table in tables)
+    hyperstack = file.imagej_metadata or {}
+    tables, labels, count = hyperstack.get("LUTs", ()), hyperstack.get("Labels", ()), hyperstack.get("channels", 1)
+    own = [set(labels[index::count]) for index in range(count)] if isinstance(labels, list) else []
+    names = [make_printable(*label) if len(label) == 1 else "" for label in own]
+    colors = [f"#{bytes(np.asarray(table, np.uint8).max(axis=1)).hex()}" for table in tables]
+    return tuple(zip_longest(names, colors, fillvalue="")) if any(names) or colors else ()
 
 
 def _parse_ome_color(given: str | None) -> str:

@@ -35,3 +35,8 @@ def test_topology_is_told_by_counting():
     assert (fin.nonmanifold_edges, fin.free_edges) == (1, 2)
     two = Surface(np.concatenate([CORNERS, CORNERS + 5.0]), np.concatenate([TETRAHEDRON, TETRAHEDRON + 4]))
     assert (two.components, two.euler) == (2, 4)
+
+
+def test_an_error_on_triangles_says_that_they_are_indices() -> None:
+    with pytest.raises(ValueError, match=r"the faces .* must be \(N, 3\), indices of three vertices"):
+        Surface(CORNERS, [[0, 1, 2, 3]])

@@ -289,6 +289,15 @@ def test_a_line_around_an_object_whose_ends_nearly_meet_is_a_lasso(disk_scene, g
     assert overlap(bare.select(**{given: line}).mask, truth_of(disk_scene)) > 0.95
 
 
+@pytest.mark.parametrize("corners", [4, 5, 7])
+def test_a_closed_stroke_of_few_vertices_is_a_lasso(disk_scene, corners):
+    turns = np.linspace(0.3, 2.0 * np.pi + 0.2, corners + 1)
+    line = (47.0, 47.0) + 38.0 * np.column_stack([np.sin(turns), np.cos(turns)])
+    bare = Partition(Image(disk_scene.values), (), uses_network=False)
+    assert overlap(bare.select(stroke=line).mask, truth_of(disk_scene)) > 0.95
+    assert overlap(bare.select(stroke=line[:-2]).mask, truth_of(disk_scene)) < 0.5
+
+
 @pytest.mark.parametrize("line", [[(20, 47), (74, 47)], [(47, 20), (20, 47), (47, 74)]])
 def test_an_open_line_is_no_lasso(disk_scene, line):
     path = polyline.resample_path(np.array(line, float), 2.0)

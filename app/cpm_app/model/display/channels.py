@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
+
 from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import FileParts
 from cpm_core import Image
+from cpm_core.image.gray_levels import sample_values
 from cpm_core.numerics.types import record
 
 CHANNEL_COLORS: dict[str, str] = {
@@ -18,6 +23,11 @@ CHANNEL_COLORS: dict[str, str] = {
     "#ffffff": tr("Gray"),
 }
 """Titles of the usual colors, in the order in which they are given to channels without a color of their own."""
+
+_TRANSMITTED_LIGHT = re.compile(
+    r"bright.?field|transmitted|phase.?contrast|(?<![a-z])(bf|dic|tl|t.?pmt)(?![a-z])", re.IGNORECASE
+)
+"""Names of channels of transmitted light."""
 
 
 @record
@@ -34,12 +44,20 @@ class Channel:
         What it shows; None for the open channel, and until it is wanted and has been read.
     display : DisplayImage or None
         The image, or a slice of the volume, with its full range of gray values.
+    is_bright : bool
+        Whether its background is bright, by its name or once it has been read: other channels would drown in it.
     """
 
     name: str
     color: str
     image: Image | None = None
     display: DisplayImage | None = None
+    is_bright: bool = False
+
+
+def has_bright_background(image: Image) -> bool:
+    """Return whether most of an image is brighter than the middle of its range, as with transmitted light."""
+    return float(np.median(sample_values(image.stored))) > 0.5 * sum(image.shown_range)
 
 
 def list_channels(parts: FileParts | None) -> tuple[Channel, ...]:
@@ -47,13 +65,17 @@ def list_channels(parts: FileParts | None) -> tuple[Channel, ...]:
 
     Colors that are all the same say nothing: programs write white where nobody has chosen any.
     """
-    if parts is None or parts.channels == 1 or parts.has_colors:
+    if parts is None or not parts.has_composite:
         return ()
     usual, styles = tuple(CHANNEL_COLORS), parts.channel_styles
     if len(styles) != parts.channels:
         styles = (("", ""),) * parts.channels
     stated = len({color for _, color in styles}) > 1
     return tuple(
-        Channel(f"{index + 1} {name}".strip(), (stated and color) or usual[index % len(usual)])
+        Channel(
+            f"{index + 1} {name}".strip(),
+            (stated and color) or usual[index % len(usual)],
+            is_bright=bool(_TRANSMITTED_LIGHT.search(name)),
+        )
         for index, (name, color) in enumerate(styles)
     )

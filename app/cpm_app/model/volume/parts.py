@@ -109,11 +109,16 @@ class FileParts:
         )
         return ", ".join(text.format(count=count) for text, count in counts if count > 1)
 
+    @property
+    def has_composite(self) -> bool:
+        """Whether all channels are shown together, rather than red, green and blue, or one of them."""
+        return self.channels > 1 and not self.has_colors
+
     def describe_reading(self, reading: Reading, as_volume: bool) -> str:
-        """Describe in words which parts are open."""
+        """Describe in words which parts are open; empty where all of them are shown."""
         numbers = (
             (_PAGE_WORDS[self.word][1], self.pages, None if as_volume else reading.page or self.default_page),
-            (tr("channel {number}"), self.channels, reading.channel or (None if self.has_colors else 1)),
+            (tr("channel {number}"), self.channels, None if self.has_composite else reading.channel),
             (tr("time {number}"), self.times, reading.time or 1),
         )
         said = [text.format(number=number) for text, count, number in numbers if count > 1 and number is not None]

@@ -85,7 +85,7 @@ class ObjectSelection(QObject):
         self._selectors: dict[int, Selector] = {}
         self._selectors_source: PartitionSource | None = None
         self._seen: dict[int, Mapping[Clicks, Selection | None]] = {}
-        """What clicks selected before the contours everywhere were known, by the number of the object."""
+        """What clicks selected before contours or objects changed, by the number of the object."""
         self._selector: Selector | None = None
         """The selector of the object of the clicks."""
         self._asked: tuple[object, ...] = ()
@@ -385,9 +385,7 @@ class ObjectSelection(QObject):
         if any(each.made_of != made_of for each in self._selectors.values()):
             source, before = self.partition_updater.source, self._selectors
             waited = isinstance(source, EverywhereRun) and source == self._selectors_source
-            self._seen = {
-                key: each.answers for key, each in before.items() if waited and each.made_of[1:] == made_of[1:]
-            }
+            self._seen = {key: each.recall(known.clicks) for key, each in before.items() if waited}
             self._selectors = {}
         if number not in self._selectors:
             self._selectors_source = self.partition_updater.source
@@ -459,7 +457,7 @@ class ObjectSelection(QObject):
         before = self.proposals
         self._set_proposals(proposals)
         remark = translate_core_text(proposals[0].selection.remark) if clicks and proposals else ""
-        remark = remark or describe_no_effect(before, proposals)
+        remark = " ".join(filter(None, (remark, describe_no_effect(before, proposals))))
         if remark and remark != self._remark:  # once
             self._session.messages.show(remark, category=EDITING_CATEGORY)
         self._remark = remark

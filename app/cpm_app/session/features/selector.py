@@ -272,8 +272,8 @@ class Selector:
     overlaps : bool
         Whether selections may run over existing objects that are not frozen.
     shown : mapping of tuple of Click to Selection, optional
-        What clicks have selected before the contours everywhere were known, which the user has seen: another object
-        takes its place only if it is more likely.
+        What clicks have selected before the contours everywhere were known, or other objects changed, and the user has
+        seen: another object takes its place only if it is more likely.
     """
 
     def __init__(
@@ -318,8 +318,10 @@ class Selector:
             found, default = self._find_candidates(clicks)
             made = found[min(max(default + clicks[-1].step, 0), len(found) - 1)]
         elif made is None:
-            made = self.partition.select(inside, **self._other_arguments(clicks))
-            seen = self._shown.get(clicks)
+            arguments = self._other_arguments(clicks)
+            made, seen = self.partition.select(inside, **arguments), self._shown.get(clicks)
+            if seen is not None and arguments["excluded"] is not None:
+                seen = self.partition.remove_pixels(seen, arguments["excluded"])
             if (
                 seen is not None
                 and seen.confidence >= made.confidence
@@ -332,10 +334,10 @@ class Selector:
             _ = made.surface, made.contains(inside)  # cached on this thread, not on the window's
         return made
 
-    @property
-    def answers(self) -> Mapping[Clicks, Selection | None]:
-        """What clicks have selected, of those that are kept."""
-        return self._known
+    def recall(self, clicks: Clicks) -> Mapping[Clicks, Selection | None]:
+        """Return what the first of these clicks has selected, the first two of them, and so on, as far as known."""
+        begun = (clicks[: index + 1] for index in range(len(clicks)))
+        return {each: self._known.get(each, self._shown.get(each)) for each in begun}
 
     def propose(self, clicks: Clicks) -> tuple[Proposal, ...]:
         """Return the object that clicks select, and then what is offered elsewhere."""

@@ -85,6 +85,7 @@ class DocumentFile(QObject):
         """Files that have been written but not announced yet."""
         self._announced: tuple[Path | None, bool] = (None, False)
         self.path: Path | None = None
+        session.image_changed.connect(self._on_image_changed)
         session.document_changed.connect(lambda _: self._announce_state())
         self.runs.changed.connect(self._announce_state)
         session.store.add_listener(ImageOpened, self._on_image_opened)
@@ -166,11 +167,14 @@ class DocumentFile(QObject):
         self.runs.treat_as_saved()
         self._announce_state()
 
+    def _on_image_changed(self) -> None:
+        """Treat the document that an image begins with as saved, until `_on_image_opened` knows its file."""
+        self.saved_document = self._session.document
+
     def _on_image_opened(self, opened: ImageOpened) -> None:
         self._opening += 1
         saved = opened.saved
         self.path, self._file = (saved.path, saved.file) if saved else (None, None)
-        self.saved_document = self._session.document
         if saved is not None and (saved.recovered or saved.is_other_page):
             self.saved_document = saved.saved_document and replace(
                 saved.saved_document, image=self._session.document.image

@@ -164,7 +164,9 @@ def prepare_image(core: CoreFunctions, request: OpenRequest, check_cancelled: Ca
     parts, reading = inspect_file(path, reading)
     check_cancelled()
     asked = request.as_volume if named is None or not named.shape else len(named.shape) == 3
-    image, refused = _read_image(core, path, reading, asked, parts, check_cancelled)
+    # that only the first channel is taken would be no true note on a composite of all of them
+    chosen = replace(reading, channel=reading.channel or 1) if parts is not None and parts.has_composite else reading
+    image, refused = _read_image(core, path, chosen, asked, parts, check_cancelled)
     notes = (*refused, *notes)
     check_cancelled()
     if saved is not None:

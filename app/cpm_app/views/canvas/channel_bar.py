@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QMenu, QScrollArea, QSizePoli
 
 from cpm_app.model.display.channels import CHANNEL_COLORS
 from cpm_app.model.text.language import tr
-from cpm_app.views.layers.image_layer import ImageLayer
+from cpm_app.views.layers.image_layer import FILE_RANGE, MANUAL_RANGE, RANGE_TITLES, ImageLayer
 from cpm_app.views.theme.icons import create_swatch
 from cpm_app.views.widgets.actions import ActionButton, add_menu_action
 from cpm_app.views.widgets.containers import fill_layout
@@ -20,7 +20,7 @@ _SHOWN_NAME_LENGTH = 20
 
 
 class ChannelBar(QScrollArea):
-    """Switch of the composite, and a button for each channel: shown or not, with a menu of its color.
+    """Switch of the composite, and a button for each channel: shown or not, with a menu of its color and range.
 
     The channel that is open is bold. The bar is hidden unless there are several, and scrolls if they are many.
     """
@@ -77,9 +77,25 @@ class ChannelBar(QScrollArea):
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         button.setCheckable(True)
-        button.toggled.connect(lambda shown: change(shown=shown))
+        button.clicked.connect(lambda shown: change(shown=shown))
         for color, title in CHANNEL_COLORS.items():
             add_menu_action(menu, title, partial(change, color=color)).setIcon(create_swatch(color))
+        menu.addSeparator()
+        ranges = {
+            way: add_menu_action(menu, title, partial(self._layer.set_channel_range, index, way), checked=False)
+            for way, title in RANGE_TITLES.items()
+        }
+
+        def show_range() -> None:
+            """Check the range of the channel, and offer the others once it has been read."""
+            image, current = self._layer.find_channel_image(index), self._layer.channel_range(index)
+            for way, action in ranges.items():
+                action.setChecked(way == current)
+                action.setEnabled(image is not None)
+            ranges[FILE_RANGE].setVisible(image is not None and image.window is not None)
+            ranges[MANUAL_RANGE].setVisible(current == MANUAL_RANGE)
+
+        menu.aboutToShow.connect(show_range)
         button.setMenu(menu)
         button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
         self._row.insertWidget(index + 1, button)

@@ -68,8 +68,8 @@ DEFAULT_FORMATS = [
 ]
 """Formats that are checked until the user checks others."""
 
-_SLOW_KINDS = frozenset({"turntable", "run"})
-"""Kinds that take long and are never written unasked."""
+_UNASKED_KINDS = frozenset({"pages", "turntable", "run"})
+"""Kinds that hold more than what is shown, or take long: they are never written unasked."""
 
 _UNCOUNTED_KINDS = frozenset({"pages", "measures", "space", "turntable", "run"})
 """Kinds that the summary only names, without counting their contents."""
@@ -120,7 +120,7 @@ class FormatList(QTreeWidget):
             for suffix, name in list_export_formats(what, in_volume, of_dicom).items():
                 row = self.rows[what, suffix] = QTreeWidgetItem(group, [name])
                 row.setCheckState(0, Qt.CheckState.Unchecked)
-                if f"{what}:{suffix}" in checked and what in wanted and what not in _SLOW_KINDS:
+                if f"{what}:{suffix}" in checked and what in wanted and (only or what not in _UNASKED_KINDS):
                     row.setCheckState(0, Qt.CheckState.Checked)
                     group.setExpanded(True)
             if what == only:

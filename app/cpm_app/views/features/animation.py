@@ -12,7 +12,7 @@ from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import CommandFailed, FilesExported, Report
 from cpm_app.session.session import Session
-from cpm_app.session.session_messages import FILMING_CATEGORY
+from cpm_app.session.session_messages import EXPORTING_CATEGORY, FILMING_CATEGORY
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.views.export.frames import AnimationPlan, FrameRenderer, create_frame_source
 from cpm_app.views.items.item import image_rectangle
@@ -37,6 +37,7 @@ def provenance_comment(session: Session) -> str:
 
 def start_writing_task(session: Session, path: Path, write_file: Callable[[BackgroundTask], Report]) -> BackgroundTask:
     """Start the task that writes a file on another thread."""
+    session.messages.clear(EXPORTING_CATEGORY)
     doing, done = tr("Writing {name}…", name=path.name), tr("writing {name}", name=path.name)
     return session.tasks.start_task(doing, write_file, done, partial(CommandFailed, category=FILMING_CATEGORY))
 

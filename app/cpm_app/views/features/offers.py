@@ -164,13 +164,12 @@ class FilePartsFeature(Feature):
                 answers.insert(
                     0, (tr("Open as volume"), partial(self._open_part, True, replace(opened.reading, page=None)))
                 )
-            sentence = tr(
-                "{name} contains {parts}. Open now: {open}.",
-                name=opened.path.name,
-                parts=parts.count_text,
-                open=parts.describe_reading(opened.reading, volume),
-            )
-            offer(sentence, *answers)
+            sentences = [tr("{name} contains {parts}.", name=opened.path.name, parts=parts.count_text)]
+            if shown := parts.describe_reading(opened.reading, volume):
+                sentences.append(tr("Open now: {open}.", open=shown))
+            if parts.has_composite:
+                sentences.append(tr("Runs and clicks work on channel {number}.", number=opened.reading.channel or 1))
+            offer(" ".join(sentences), *answers)
 
     def _open_part(self, as_volume: bool | None, reading: Reading) -> None:
         """Open a part as a volume or as an image, or, for None, the series in the folder."""

@@ -37,11 +37,23 @@ WHOLE_RANGE = "0"
 AUTOMATIC_RANGE = "0.1"
 """Range without the most extreme gray values [% at either end]."""
 
-_FILE_RANGE = "file"
+FILE_RANGE = "file"
 """Range that the file states."""
 
-_MANUAL_RANGE = "hand"
+MANUAL_RANGE = "hand"
 """Range set by hand."""
+
+RANGE_TITLES: Mapping[str, str] = MappingProxyType(
+    {
+        FILE_RANGE: tr("As the file states"),
+        WHOLE_RANGE: tr("All gray values"),
+        AUTOMATIC_RANGE: tr("All except 0.1 % at either end"),
+        "1": tr("All except 1 % at either end"),
+        "5": tr("All except 5 % at either end"),
+        MANUAL_RANGE: tr("By hand"),
+    }
+)
+"""Titles of the ranges."""
 
 _MAX_CHANNELS_AT_FIRST = 7
 """Number of channels that a composite shows at first, as many as there are usual colors."""
@@ -67,18 +79,25 @@ _SHOW_COLORS = "colors"
 _SHOW_CHANNEL = "channel"
 """Value of the option that shows the channel of the run."""
 
+_BRIGHT_COLOR = "#ffffff"
+"""Color of a channel with a bright background."""
+
 _MAX_IMMEDIATE_PIXELS = 1 << 22
 """Largest number of pixels shaded immediately, which takes two frames; the worker shades larger images."""
 
 
 @frozen
 class ChannelLook:
-    """How a composite shows a channel; it has a range of its own once it has been open."""
+    """How a composite shows a channel; it has a range of its own once one has been chosen.
+
+    `automatic` is whether nobody has chosen if it is shown, and in which color.
+    """
 
     shown: bool
     color: str
     range: str = ""
     window: tuple[float, float] | None = None
+    automatic: bool = False
 
 
 class ImageLayer(Layer):
@@ -90,7 +109,7 @@ class ImageLayer(Layer):
     shortcut = "Alt+0"
     options = (
         Option(
-            "shown",
+            "content",
             tr("Shown"),
             _SHOW_COLORS,
             tr("All channels, each in its color, or the channel in which a run finds edges."),
@@ -105,14 +124,7 @@ class ImageLayer(Layer):
                 "Range of gray values; values below are black, values above are white. Hot pixels and padding far from "
                 "all others do not count."
             ),
-            {
-                _FILE_RANGE: tr("As the file states"),
-                WHOLE_RANGE: tr("All gray values"),
-                AUTOMATIC_RANGE: tr("All except 0.1 % at either end"),
-                "1": tr("All except 1 % at either end"),
-                "5": tr("All except 5 % at either end"),
-                _MANUAL_RANGE: tr("By hand"),
-            },
+            RANGE_TITLES,
         ),
         Option(
             "gamma",
@@ -149,7 +161,7 @@ class ImageLayer(Layer):
     def set_window(self, low: float, high: float) -> None:
         """Show gray values from `low`, black, to `high`, white."""
         if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self.window:
-            self.option_values["range"] = _MANUAL_RANGE
+            self.option_values["range"] = MANUAL_RANGE
             self._apply_window(low, high)
 
     def apply_option(self, name: str) -> None:
@@ -164,25 +176,27 @@ class ImageLayer(Layer):
     def has_effect(self, name: str) -> bool:
         """Tell whether an option has an effect: a single channel has no colors, colors have no color map."""
         colored = bool(self.looks) or (self.scene.image is not None and self.scene.image.colors is not None)
-        return {"shown": colored, "map": not colored or self.get_choice("shown") == _SHOW_CHANNEL}.get(name, True)
+        return {"content": colored, "map": not colored or self.get_choice("content") == _SHOW_CHANNEL}.get(name, True)
 
     def view_state(self) -> dict[str, object]:
         """Return the state, with the channels, and the window if it was set by hand."""
         state = {**super().view_state(), "channels": to_json(self.looks)}
-        return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == _MANUAL_RANGE else state
+        return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == MANUAL_RANGE else state
 
     def use_view_state(self, state: dict[str, object]) -> None:
         """Restore the state, the channels and the window."""
+        state = {"content": state.get("shown"), **state}  # its name in older sessions
         kept = state.get("channels")
         if self.looks and isinstance(kept, list) and len(kept) == len(self.looks):
             with suppress(ValueError):
                 self.looks = [from_json(ChannelLook, look, "channel") for look in kept]
+                self._choose_looks()  # another channel may be open
                 look = self.looks[self.open_channel]
                 window = look.window or self.window
                 state = {**state, "range": look.range, "low": window[0], "high": window[1]}
         super().use_view_state(state)
         low, high = state.get("low"), state.get("high")
-        if self.get_choice("range") == _MANUAL_RANGE and isinstance(low, int | float) and isinstance(high, int | float):
+        if self.get_choice("range") == MANUAL_RANGE and isinstance(low, int | float) and isinstance(high, int | float):
             self.set_window(float(low), float(high))
         self._show_image()  # looks may have changed without any option
         self.changed.emit()
@@ -190,11 +204,11 @@ class ImageLayer(Layer):
     @property
     def is_composite(self) -> bool:
         """Whether all channels of the file are shown together."""
-        return bool(self.looks) and self.get_choice("shown") == _SHOW_COLORS
+        return bool(self.looks) and self.get_choice("content") == _SHOW_COLORS
 
     def toggle_composite(self) -> None:
         """Show all channels together, or the open one alone."""
-        self.set_option("shown", _SHOW_CHANNEL if self.is_composite else _SHOW_COLORS)
+        self.set_option("content", _SHOW_CHANNEL if self.is_composite else _SHOW_COLORS)
 
     @property
     def wanted_channels(self) -> frozenset[int]:
@@ -219,10 +233,41 @@ class ImageLayer(Layer):
         return found
 
     def set_look(self, channel: int, **changes: Any) -> None:
-        """Show or hide a channel, by its index, or change its color."""
-        self.looks[channel] = replace(self.looks[channel], **changes)
+        """Show or hide a channel, by its index, or change its color or its window."""
+        automatic = self.looks[channel].automatic and not changes.keys() & {"shown", "color"}
+        self.looks[channel] = replace(self.looks[channel], automatic=automatic, **changes)
         self._show_image()
         self.changed.emit()
+
+    def find_channel_image(self, channel: int) -> Image | None:
+        """Return the image of a channel, by its index; None until it has been read."""
+        scene = self.scene.whole or self.scene
+        return scene.full_image if channel == self.open_channel else scene.channels[channel].image
+
+    def channel_range(self, channel: int) -> str:
+        """Return the range in which a channel is shown, by its index."""
+        if channel == self.open_channel:
+            return self.get_choice("range")
+        image = self.find_channel_image(channel)
+        return self.looks[channel].range or (WHOLE_RANGE if image is None or image.window is None else FILE_RANGE)
+
+    def set_channel_range(self, channel: int, way: str) -> None:
+        """Show a channel, by its index, in another range."""
+        image = self.find_channel_image(channel)
+        if channel == self.open_channel:
+            self.set_option("range", way)
+        elif image is not None:
+            self.set_look(channel, range=way, window=_find_range(image, way))
+
+    def _choose_looks(self) -> None:
+        """Choose a look for the channels for which nobody has: one with a bright background would drown the others."""
+        channels, here = (self.scene.whole or self.scene).channels, self.open_channel
+        mixed = not all(channel.is_bright for channel in channels)
+        for index, (look, channel) in enumerate(zip(self.looks, channels, strict=True)):
+            if look.automatic:
+                bright = mixed and channel.is_bright
+                shown = index < _MAX_CHANNELS_AT_FIRST and (not bright or index == here)
+                self.looks[index] = replace(look, shown=shown, color=_BRIGHT_COLOR if bright else channel.color)
 
     def show_scene(self, before: Scene) -> None:
         """Show another image, or shades that were requested."""
@@ -235,24 +280,27 @@ class ImageLayer(Layer):
             self._parts.clear()
             listed, known = ([(each.name, each.color) for each in one.channels] for one in (scene, before))
             if listed != known:
-                self.looks = [
-                    ChannelLook(index < _MAX_CHANNELS_AT_FIRST, each.color) for index, each in enumerate(scene.channels)
-                ]
+                self.looks = [ChannelLook(True, each.color, automatic=True) for each in scene.channels]
             self.looks = [replace(look, range="", window=None) for look in self.looks]
+            self._choose_looks()
             self.gray_range = self.window = whole.shown_range
             usual = [window_from_level(window) for _, window in CT_WINDOWS.values()] if whole.is_ct else []
             low, high = zip(self.gray_range, whole.window or self.gray_range, *usual, strict=True)
             self.window_bounds = min(low), max(high)
             if whole.window is not None:
-                self.option_values["range"] = _FILE_RANGE
-            elif self.get_choice("range") in (_MANUAL_RANGE, _FILE_RANGE):
+                self.option_values["range"] = FILE_RANGE
+            elif self.get_choice("range") in (MANUAL_RANGE, FILE_RANGE):
                 # a window set by hand for another image does not apply to this one
                 self.option_values["range"] = WHOLE_RANGE
             self._apply_range()
         elif (image, scene.display, channel) != (before.image, before.display, last):
             self._update_shades()  # another slice of the volume, another pixel size, or a completed preview
         elif scene.channels != before.channels:
+            former_looks = self.looks.copy()
+            self._choose_looks()
             self._show_image()
+            if self.looks != former_looks:
+                self.changed.emit()
         # of two pending requests, only the newer one may be shown
         wanted = image, self.shown_window, self._channel
         if shaded not in (None, before.shaded) and (shaded.image, shaded.window, shaded.channel) == wanted:
@@ -261,12 +309,9 @@ class ImageLayer(Layer):
     def _apply_range(self) -> None:
         """Set the window from the selected range."""
         way, image = self.get_choice("range"), self.scene.full_image
-        if image is None or way == _MANUAL_RANGE:
+        if image is None or way == MANUAL_RANGE:
             return
-        if way in (WHOLE_RANGE, _FILE_RANGE):
-            self._apply_window(*((way == _FILE_RANGE and image.window) or self.gray_range))
-        else:
-            self._apply_window(*percentile_window(image.values, float(way)))
+        self._apply_window(*_find_range(image, way))
 
     def _apply_window(self, low: float, high: float) -> None:
         self.window = (low, high)
@@ -329,7 +374,7 @@ class ImageLayer(Layer):
     def _channel(self) -> str | None:
         """Channel that is shown; None for an image in color."""
         image = self.scene.image
-        if image is None or (image.colors is not None and self.get_choice("shown") == _SHOW_COLORS):
+        if image is None or (image.colors is not None and self.get_choice("content") == _SHOW_COLORS):
             return None
         return image.resolve_channel(self.scene.document.parameters.channel)
 
@@ -342,6 +387,13 @@ _MIN_WINDOW_WIDTH = 1e-3
 
 Window = tuple[float, float]
 """Gray values shown as black and as white."""
+
+
+def _find_range(image: Image, way: str) -> Window:
+    """Find the window of a range that is not set by hand."""
+    if way in (WHOLE_RANGE, FILE_RANGE):
+        return (way == FILE_RANGE and image.window) or image.shown_range
+    return percentile_window(image.values, float(way))
 
 
 def window_from_level(width_and_level: WidthAndLevel) -> Window:

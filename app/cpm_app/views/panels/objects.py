@@ -409,15 +409,13 @@ class ObjectPanel(QWidget):
             self.classes[number].show_class()
 
     def _describe_row(self, row: ObjectRow) -> str:
-        """Describe the class, area, length and confidence of a row."""
+        """Describe the class, area, length and confidence of a row; a line of the text breaks between these figures."""
         columns = {column.name: column for column in self.table.rows.columns}
-        parts = [
-            columns["class"].format_cell(row, 1.0),
-            *(self.table.describe_cell(row, columns[name]) for name in ("area", "length")),
-        ]
+        figures = [self.table.describe_cell(row, columns[name]) for name in ("area", "length")]
         if row.item.confidence:
-            parts.append(tr("Confidence: {share}", share=columns["confidence"].format_cell(row, 1.0)))
-        return " · ".join(filter(None, parts))
+            figures.append(tr("Confidence: {share}", share=columns["confidence"].format_cell(row, 1.0)))
+        whole = (figure.replace(" ", "\u00a0") for figure in figures)
+        return " · ".join(filter(None, (columns["class"].format_cell(row, 1.0), *whole)))
 
     @property
     def _shown_row(self) -> ObjectRow | None:

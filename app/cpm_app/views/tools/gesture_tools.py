@@ -113,7 +113,7 @@ class PointTool(ShapeTool):
     name = "points"
     menu_text = tr("&Points")
     shortcut = "P"
-    tip = tr("Click to place a point.")
+    tip = guidance = tr("Click to place a point.")
     works_by_clicks = True
     keyboard_tip = tr("Enter places a point.")
 

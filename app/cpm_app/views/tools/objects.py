@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from functools import partial
 
+import numpy as np
 from PySide6.QtCore import Qt
 
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import REMOVE_MODIFIER, Cursor, Tool
-from cpm_core.numerics import Place
+from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES
+from cpm_core.numerics import Place, polyline
 from cpm_core.objects.segmented import Click
 
 _MAX_STROKE_PLACES = 200
-"""Largest number of places of a stroke; a longer one is thinned out."""
+"""Largest number of places of a stroke."""
 
 
 class ObjectTool(Tool):
@@ -88,7 +90,7 @@ class ObjectTool(Tool):
 
     def on_release(self) -> None:
         """Do what the click or stroke means, after all that was done before."""
-        click = Click(tuple(self.stroke[:: math.ceil(len(self.stroke) / _MAX_STROKE_PLACES)]), self._adds)
+        click = Click(_spread_places(self.stroke, self.stroke_spacing), self._adds)
         needs_answer = not self._selection.selecting
         self._selection.do_in_order(
             partial(self._do_click, click, self._wants_another), click, needs_answer=needs_answer
@@ -159,3 +161,13 @@ class ObjectTool(Tool):
     def _find_existing(self, at: Place) -> int:
         """Find the number of the object, or key of the proposal, at a place; 0 while an object is being selected."""
         return 0 if self._selection.selecting else self._selection.object_number_at(at)
+
+
+def _spread_places(stroke: Sequence[Place], spacing: float) -> tuple[Place, ...]:
+    """Spread places evenly along a stroke, since what it means depends on its shape, not on how fast it was drawn."""
+    path = np.array(stroke, float)
+    length = polyline.path_length(path)
+    if not length:
+        return (stroke[0],)
+    spacing = min(max(spacing, length / _MAX_STROKE_PLACES), length / MIN_DRAWN_PLACES)
+    return polyline.as_line(polyline.resample_path(path, spacing))

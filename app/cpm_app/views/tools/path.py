@@ -77,7 +77,7 @@ class PathTool(Tool):
     def advice(self) -> str:
         """Sentence on what to do next."""
         if not self._corners:
-            return "" if self.used else self.usage
+            return "" if self.used and self._session.document.shapes else self.usage
         if self.is_dragged and self._is_first:
             return insert_keys(tr("Release to finish; {key:escape} cancels."))
         ends = tr("Enter or a double click ends it;")

@@ -63,7 +63,7 @@ class Tool:
     tip: str = ""
     """Sentence on what the tool does."""
     guidance: str = ""
-    """Advice until the tool has been used."""
+    """Advice until the tool has been used, and as long as nothing is drawn."""
     keyboard_tip: str
     """Sentence on what Enter does at the cross-hair."""
     works_by_clicks = False
@@ -133,7 +133,7 @@ class Tool:
     @property
     def advice(self) -> str:
         """Sentence on what to do next, or empty."""
-        return "" if self.used else self.guidance
+        return "" if self.used and self._session.document.shapes else self.guidance
 
     def press(self, at: Place) -> None:
         """Press the left button."""

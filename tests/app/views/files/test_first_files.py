@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import tifffile
 from cpm_app.views.window.window import MainWindow
+from PySide6.QtCore import QEvent, QObject
 
 from tests.app.conftest import Hand
 from tests.core.formats.images.made import write_series
@@ -60,3 +61,26 @@ def test_files_that_are_cut_short_are_refused_by_their_name(window, hand, tmp_pa
     hand.wait(lambda: window.canvas_area.messages.text.startswith(f"{path.name} "))
     assert window.canvas_area.messages.text.count(". ") == 0, "one sentence"
     assert window.session.image is before
+
+
+class Marks(QObject):
+    """Whether the title of a window has been marked as unsaved, each time that this has been set."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.seen: list[bool] = []
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802  # Qt's name
+        if event.type() == QEvent.Type.ModifiedChange:
+            self.seen.append(watched.isWindowModified())
+        return False
+
+
+def test_the_title_has_no_mark_of_unsaved_work_while_a_file_opens(window, hand, tmp_path) -> None:
+    marks = Marks()
+    window.document_file.treat_as_saved()
+    window.installEventFilter(marks)
+    window.open_image(nifti(tmp_path))
+    hand.wait(lambda: window.session.document.image.name == "a.nii.gz" and window.session.idle)
+    window.removeEventFilter(marks)
+    assert marks.seen and not any(marks.seen) and "a.nii.gz" in window.windowTitle()

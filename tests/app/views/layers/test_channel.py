@@ -50,12 +50,12 @@ def test_a_session_brings_back_the_channel(colored, hand, image_file, tmp_path) 
 def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand) -> None:
     layer, panel = hand.canvas.layers["image"], colored.panels["run"].parameters
     assert hand.color_at(30.0, 20.0) == (220, 60, 60)
-    layer.set_option("shown", "channel")
+    layer.set_option("content", "channel")
     panel.set_parameter("channel", "red")
     hand.wait(lambda: hand.color_at(30.0, 20.0)[1] > 200)
     red, green, blue = hand.color_at(30.0, 60.0)
     assert red == green == blue < 100
     panel.set_parameter("channel", "blue")
     hand.wait(lambda: hand.color_at(30.0, 60.0)[1] > 200)
-    layer.set_option("shown", "colors")
+    layer.set_option("content", "colors")
     assert hand.color_at(30.0, 20.0) == (220, 60, 60)

@@ -9,7 +9,7 @@ from cpm_app.session.features import channel_images
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
 from cpm_app.views.layers import image_layer
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPoint, Qt
 
 from tests.app.views.volume.conftest import ball, open_file
 
@@ -36,7 +36,7 @@ def composite(window, hand, tmp_path):
     tifffile.imwrite(tmp_path / "three.tif", squares(), photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
     open_channels(window, hand, tmp_path / "three.tif")
     yield window
-    layer(window).set_option("shown", "colors")
+    layer(window).set_option("content", "colors")
 
 
 def layer(window):
@@ -85,6 +85,14 @@ def click(hand, button) -> None:
     hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton, pos=button.rect().center() / 2)
 
 
+def choose_in_menu(window, hand, channel: int, title: str) -> None:
+    """Choose an entry of the menu of a channel."""
+    menu = bar(window).buttons[channel].menu()
+    menu.popup(QPoint(0, 0))
+    (action,) = (each for each in menu.actions() if each.text() == title)
+    hand.qtbot.mouseClick(menu, Qt.MouseButton.LeftButton, pos=menu.actionGeometry(action).center())
+
+
 def test_channels_without_colors_get_the_usual_ones_and_each_is_switched_by_a_click(composite, hand) -> None:
     assert bar(composite).isVisible() and [button.text() for button in bar(composite).buttons] == ["1", "2", "3"]
     assert colors(hand) == [(0, 0, 255), (0, 255, 0), (255, 0, 0)]
@@ -129,7 +137,7 @@ def test_a_file_gives_names_and_colors_of_its_channels(window, hand, tmp_path) -
     open_channels(window, hand, path)
     assert [button.text() for button in bar(window).buttons] == ["1 DAPI", "2 GFP", "3"]
     assert colors(hand) == [(0, 255, 255), (255, 0, 0), (0, 0, 255)]
-    bar(window).buttons[2].menu().actions()[-1].trigger()  # gray
+    choose_in_menu(window, hand, 2, "Gray")
     assert colors(hand)[2] == (255, 255, 255)
 
 
@@ -171,7 +179,7 @@ def test_a_session_brings_back_the_looks_of_channels_and_reads_none_that_is_off(
     composite, hand, image_file, tmp_path, monkeypatch
 ) -> None:
     click(hand, bar(composite).buttons[1])
-    bar(composite).buttons[2].menu().actions()[-2].trigger()  # yellow
+    choose_in_menu(composite, hand, 2, "Yellow")
     layer(composite).set_window(0.0, 3.0 * SHADES[0])
     expected = [(0, 0, 85), (0, 0, 0), (255, 255, 0)]
     assert colors(hand) == expected
@@ -191,7 +199,7 @@ def test_a_session_brings_back_the_looks_of_channels_and_reads_none_that_is_off(
 def test_a_session_brings_back_the_buttons_of_channels_too(composite, hand, image_file, tmp_path) -> None:
     for button in bar(composite).buttons[1:]:
         click(hand, button)
-    bar(composite).buttons[0].menu().actions()[-2].trigger()  # yellow
+    choose_in_menu(composite, hand, 0, "Yellow")
     icon, saved = bar(composite).buttons[0].icon().pixmap(14).toImage(), tmp_path / "kept.cpm"
     composite.get_feature(OpenSaveFeature).document_file.save_and_wait(saved)
     open_file(composite, hand, image_file)
@@ -258,3 +266,64 @@ def test_red_green_and_blue_are_no_channels_of_a_composite(window, hand, tmp_pat
     tifffile.imwrite(tmp_path / "rgb.tif", np.moveaxis(squares(), 0, -1).astype(np.uint8), photometric="rgb")
     open_file(window, hand, tmp_path / "rgb.tif")
     assert not bar(window).isVisible() and window.session.scene.channels == ()
+
+
+def test_of_channels_one_of_which_cannot_be_read_the_others_are_shown(window, hand, tmp_path, monkeypatch) -> None:
+    tifffile.imwrite(tmp_path / "cut.tif", squares(), photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    load = channel_images.load_channel
+
+    def load_all_but_one(path, reading, *given):
+        if reading.channel == 2:
+            raise ValueError("cut.tif is damaged or cut short.")
+        return load(path, reading, *given)
+
+    monkeypatch.setattr(channel_images, "load_channel", load_all_but_one)
+    open_file(window, hand, tmp_path / "cut.tif")
+    hand.wait(lambda: 2 in layer(window).shown_channels)
+    assert colors(hand) == [(0, 0, 255), (0, 0, 0), (255, 0, 0)]
+    assert window.canvas_area.messages.text == "Channel 2 is not shown: cut.tif is damaged or cut short."
+
+
+@pytest.mark.parametrize("name", ["", "TL Brightfield"])
+def test_transmitted_light_is_gray_and_off_at_first_unless_it_is_open(
+    window, hand, tmp_path, monkeypatch, name
+) -> None:
+    pixels, read, load = squares(), [], channel_images.load_channel
+    pixels[1] = 180 - pixels[1]
+    monkeypatch.setattr(channel_images, "load_channel", lambda *given: read.append(given[1].channel) or load(*given))
+    metadata = {"axes": "CYX", "Channel": {"Name": ["DAPI", name, "GFP"]}}
+    tifffile.imwrite(tmp_path / "light.ome.tif", pixels, photometric="minisblack", metadata=metadata)
+    open_channels(window, hand, tmp_path / "light.ome.tif")
+    hand.wait(lambda: [button.isChecked() for button in bar(window).buttons] == [True, False, True])
+    assert colors(hand) == [(0, 0, 255), (0, 0, 0), (255, 0, 0)]
+    assert (2 in read) == (not name)
+    choose(window, hand, 1)
+    assert [button.isChecked() for button in bar(window).buttons] == [True, True, True]
+    assert colors(hand) == [(255, 255, 255), (0, 0, 0), (255, 255, 255)]
+    choose(window, hand, 0)
+    assert not bar(window).buttons[1].isChecked()
+    click(hand, bar(window).buttons[1])
+    wait_for_channels(window, hand)
+    assert bar(window).buttons[1].isChecked() and hand.color_at(2.0, 2.0) == (255, 255, 255)
+
+
+def test_channels_that_are_all_bright_are_all_shown(window, hand, tmp_path) -> None:
+    pixels = 255 - squares()
+    tifffile.imwrite(tmp_path / "stained.tif", pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    open_channels(window, hand, tmp_path / "stained.tif")
+    assert [button.isChecked() for button in bar(window).buttons] == [True] * 3
+    assert hand.color_at(2.0, 2.0) == (255, 255, 255) and hand.color_at(20.0, 15.0) == (255, 255, 0)
+
+
+def test_the_menu_of_a_channel_has_its_range(window, hand, tmp_path) -> None:
+    pixels = squares()
+    pixels[1, :4, :18] = 2 * SHADES[1]  # 2 % of the pixels
+    tifffile.imwrite(tmp_path / "range.tif", pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
+    open_channels(window, hand, tmp_path / "range.tif")
+    assert colors(hand) == [(0, 0, 255), (0, 128, 0), (255, 0, 0)]
+    for channel, color in ((1, (0, 255, 0)), (0, (0, 0, 255))):
+        choose_in_menu(window, hand, channel, "All except 5 % at either end")
+        assert colors(hand)[channel] == color
+    assert layer(window).get_choice("range") == "5" and layer(window).channel_range(1) == "5"
+    choose_in_menu(window, hand, 1, "All gray values")
+    assert colors(hand)[1] == (0, 128, 0)

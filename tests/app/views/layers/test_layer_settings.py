@@ -21,8 +21,8 @@ def another(option: Option, value: object) -> object:
 
 def test_every_option_of_every_layer_is_restored_from_its_view_state(window):
     for layer in window.canvas_area.canvas.layers:
-        before = layer.view_state()
-        layer.set_shown(not layer.shown)
+        before, shown = layer.view_state(), layer.shown
+        layer.set_shown(not shown)
         layer.set_opacity(0.4)
         for option in layer.options:
             layer.set_option(option.name, another(option, layer.option_values[option.name]))
@@ -31,9 +31,9 @@ def test_every_option_of_every_layer_is_restored_from_its_view_state(window):
         for key in ("shown", "opacity", *(option.name for option in layer.options)):
             assert after[key] != before[key], (layer.name, key)
         layer.use_view_state(before)
-        assert layer.view_state() == before, layer.name
+        assert layer.view_state() == before and layer.shown is shown, layer.name
         layer.use_view_state(after)
-        assert layer.view_state() == after, layer.name
+        assert layer.view_state() == after and layer.shown is not shown, layer.name
         layer.use_view_state(before)
 
 

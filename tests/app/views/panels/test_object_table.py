@@ -359,7 +359,8 @@ def test_keys_classify_and_remove_the_chosen_objects(window, hand, table) -> Non
 def test_the_panel_measures_and_names_what_is_chosen(window, hand, panel, table) -> None:
     assert not panel.figures.isVisible()
     choose(hand, table, 0)
-    hand.wait(lambda: panel.figures.text() == "object · Area 1,500 px² · Length 200 px · Confidence: 75 %")
+    figures = ("object", "Area\u00a01,500\u00a0px²", "Length\u00a0200\u00a0px", "Confidence:\u00a075\u00a0%")
+    hand.wait(lambda: panel.figures.text() == " · ".join(figures))  # no line ends between a number and its unit
     assert sum(panel.histogram._counts) == 1500
     hand.canvas.setFocus()
     hand.key(KEY.Key_F2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from PySide6.QtCore import QCoreApplication, Qt
 from cpm_core import Page, Parameters
 from cpm_core.shapes import Circle, Everywhere, Polygon, PolygonRegion
 from tests.app.conftest import disc
-from tests.app.exporting import export
+from tests.app.exporting import asked, export
 
 pytestmark = pytest.mark.shared_window
 
@@ -87,6 +88,21 @@ def test_all_pages_are_written_in_several_formats_at_once(stack, hand, tmp_path)
     hand.wait(lambda: "cells_pages.tif (2 files)" in stack.canvas_area.messages.text)
     assert (tifffile.imread(labels)[0] > 0).sum() == pytest.approx(np.pi * 81.0, rel=0.1)
     assert table.read_text().startswith("page,track,")
+
+
+def test_all_pages_are_written_only_if_asked_and_the_message_names_all_that_was_written(stack, hand, tmp_path) -> None:
+    run_all(stack, hand)
+    dialog = asked(hand.qtbot, stack)
+    kinds = {what for what, _ in dialog.list.rows}
+    assert {file.kind for file in dialog.checked_files} == {"contours"} and "pages" in kinds
+    dialog.reject()
+    pages, contours = export(hand.qtbot, stack, tmp_path, "pages:.tif", "contours:.svg")[::-1]
+    hand.wait(lambda: "(1 contour)" in stack.canvas_area.messages.text)
+    hand.wait(lambda: {pages.name, contours.name} <= set(re.split("[ /;]", stack.canvas_area.messages.text)))
+    (tmp_path / "again").mkdir()
+    export(hand.qtbot, stack, tmp_path / "again", "contours:.svg")
+    hand.wait(lambda: "again" in stack.canvas_area.messages.text)
+    assert pages.name not in stack.canvas_area.messages.text
 
 
 def test_export_all_pages_checks_files_of_all_pages_alone(stack, hand) -> None:

@@ -143,6 +143,24 @@ def test_enter_right_after_a_click_accepts_what_it_means(window, hand, objects) 
     assert not objects.selecting
 
 
+def test_enter_accepts_what_is_seen_although_another_object_changes_before(window, hand, objects, monkeypatch) -> None:
+    click(hand, 43, 42)
+    hand.key(KEY.Key_Return)
+    click(hand, 18, 18)
+    seen, select = offered(objects), Partition.select
+
+    def select_elsewhere(there, *_, **more):
+        """What is answered anew may be another object that is less likely."""
+        return replace(select(there, [(58.0, 6.0)]), confidence=0.0)
+
+    monkeypatch.setattr(Partition, "select", select_elsewhere)
+    window.session.edit("delete", lambda document: delete_objects(document, frozenset({1})))
+    hand.wait(lambda: objects.answered and objects.idle)
+    hand.key(KEY.Key_Return)
+    (item,) = taken(window)
+    np.testing.assert_array_equal(item.region.paste((64, 64)), seen)
+
+
 Act = tuple[float, float] | tuple[float, float, Qt.KeyboardModifier] | KEY
 """A click, perhaps with keys held, or a key."""
 
@@ -350,8 +368,9 @@ def test_a_stroke_says_the_same_of_all_that_it_crosses_and_is_one_step_of_undo(w
     assert not objects.selecting
 
 
-def test_a_stroke_around_an_object_whose_ends_nearly_meet_selects_it(window, hand, objects) -> None:
-    turns = np.linspace(0.4, 2.0 * np.pi, 30)
+@pytest.mark.parametrize("corners", [6, 30])
+def test_a_stroke_around_an_object_whose_ends_nearly_meet_selects_it(window, hand, objects, corners) -> None:
+    turns = np.linspace(0.4, 2.0 * np.pi, corners)
     hand.drag(*((18.0 + 13.0 * np.sin(turn), 18.0 + 13.0 * np.cos(turn)) for turn in turns))
     hand.wait(lambda: bool(objects.proposals))
     assert overlap(offered(objects), disk(*SMALL)) > 0.9

@@ -155,6 +155,7 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
     assert between[np.triu_indices(len(positions), 1)].min() >= 2.0
     hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
     assert window.session.document.shapes == ()
+    assert "spray" in window.canvas_area.hint.text()  # not to draw a circle, which this tool does not
     hand.drag((1.0, 1.0), (0.0, 0.0), (-3.0, -3.0))
     assert (np.array(only(window).positions) >= -0.5).all()
 

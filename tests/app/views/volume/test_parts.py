@@ -54,12 +54,17 @@ def choose(window, hand, dialog, **numbers) -> None:
 
 def test_a_hyperstack_says_what_it_holds_and_opens_each_part(window, hand, hyperstack) -> None:
     open_file(window, hand, hyperstack)
-    told = "cells.ome.tif contains 9 pages, 3 channels, 2 points in time. Open now: page 1, channel 1, time 1."
+    contents = "cells.ome.tif contains 9 pages, 3 channels, 2 points in time."
+    told = f"{contents} Open now: page 1, time 1. Runs and clicks work on channel 1."
     assert window.offers.findChild(QLabel).text() == told
+    # of its channels all are shown
+    assert "channel" not in window.canvas_area.messages.text and "time" in window.canvas_area.messages.text
     choose(window, hand, ask(window, hand), page=4, channel=3, time=2)
     expected = load_image(hyperstack, page=4, channel=3, time=2)
     np.testing.assert_array_equal(window.session.image.values, expected.values)
-    assert window.offers.findChild(QLabel).text().endswith("Open now: page 4, channel 3, time 2.")
+    assert (
+        window.offers.findChild(QLabel).text().endswith("Open now: page 4, time 2. Runs and clicks work on channel 3.")
+    )
 
 
 def test_a_volume_of_one_channel_and_time_is_opened_by_the_dialog(window, hand, hyperstack) -> None:

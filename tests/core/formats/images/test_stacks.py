@@ -212,3 +212,20 @@ def test_channels_have_the_names_and_colors_that_ome_and_imagej_state(tmp_path):
     assert [load_image(tmp_path / "b.tif", channel=channel).window for channel in (1, 3)] == [(1.0, 99.0), (3.0, 97.0)]
     imagej(tmp_path / "c.tif")
     assert open_stack(tmp_path / "c.tif").channel_styles == () and load_image(tmp_path / "c.tif").window is None
+
+
+def test_a_label_of_imagej_that_all_planes_of_a_channel_have_is_its_name(tmp_path):
+    planes = PIXELS[:6].reshape(2, 3, *PIXELS.shape[1:])
+    stacks = {"named": ["DAPI", "c:2 z:1", "GFP", "DAPI", "c:2 z:2", "GFP"], "plain": ["z:1"] * 3 + ["z:2"] * 3}
+    for name, labels in stacks.items():
+        metadata = {"axes": "ZCYX", "Labels": labels}
+        tifffile.imwrite(tmp_path / f"{name}.tif", planes, imagej=True, metadata=metadata)
+    assert open_stack(tmp_path / "named.tif").channel_styles == (("DAPI", ""), ("", ""), ("GFP", ""))
+    assert open_stack(tmp_path / "plain.tif").channel_styles == ()
+
+
+def test_of_ranges_of_imagej_only_whole_ones_count(tmp_path):
+    metadata = {"axes": "CYX", "Ranges": (1.0, 99.0, 2.0)}
+    tifffile.imwrite(tmp_path / "a.tif", PIXELS[:3], imagej=True, metadata=metadata)
+    windows = [load_image(tmp_path / "a.tif", channel=channel).window for channel in (1, 2, 3)]
+    assert windows == [(1.0, 99.0), None, None]
