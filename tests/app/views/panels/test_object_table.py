@@ -247,11 +247,11 @@ def test_an_open_contour_is_accepted_as_an_open_object_with_a_length_and_no_area
 
 
 def test_the_table_does_not_move_under_the_pointer_when_a_row_is_selected(window, hand, panel, table) -> None:
-    hand.wait(lambda: not panel.figures.isVisible())
+    hand.wait(lambda: not panel.figures.text())
     place = table.mapTo(panel, QPoint(0, 0)), table.height()
     for row in (0, 1):
         choose(hand, table, row)
-        hand.wait(panel.figures.isVisible)
+        hand.wait(lambda: panel.figures.text())
         assert (table.mapTo(panel, QPoint(0, 0)), table.height()) == place
     at = cell(table, 1).center()
     hand.qtbot.mouseDClick(table.viewport(), LEFT, pos=at)
@@ -357,10 +357,9 @@ def test_keys_classify_and_remove_the_chosen_objects(window, hand, table) -> Non
 
 
 def test_the_panel_measures_and_names_what_is_chosen(window, hand, panel, table) -> None:
-    assert not panel.figures.isVisible()
+    assert panel.figures.text() == ""
     choose(hand, table, 0)
     hand.wait(lambda: panel.figures.text() == "object · Area 1,500 px² · Length 200 px · Confidence: 75 %")
-    assert sum(panel.histogram._counts) == 1500
     hand.canvas.setFocus()
     hand.key(KEY.Key_F2)
     hand.wait(lambda: table.findChild(QLineEdit) is not None)
@@ -370,7 +369,7 @@ def test_the_panel_measures_and_names_what_is_chosen(window, hand, panel, table)
     hand.wait(lambda: items(window)[0].name == "femur")
     assert undo_name(window) == "name frame"
     choose(hand, table, 1, CONTROL)
-    hand.wait(lambda: not panel.figures.isVisible())
+    hand.wait(lambda: not panel.figures.text())
     hand.qtbot.mouseClick(panel.buttons["merge_objects"], LEFT)
     (whole,) = items(window)
     assert (whole.number, whole.region.size) == (1, pytest.approx(1516.0, rel=0.005))
