@@ -85,12 +85,8 @@ CONTEXT_MENU_ACTIONS: Mapping[str, Texts] = {
     "step": ("timeline_rename", "timeline_parameters", "timeline_delete", "", "export"),
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
               "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export"),
-    "parameter": (),
 }  # fmt: skip
-"""Names of the actions and submenus for each kind of item; an empty name is a separator.
-
-An action that is not listed here is a menu of its own.
-"""
+"""Names of the actions and submenus for each kind of item; an empty name is a separator."""
 
 
 class ContextMenus(QObject):
@@ -139,7 +135,7 @@ class ContextMenus(QObject):
         own = owner.actions() if item else self._general
         menu.addActions(list(own))
         menu.addSeparator()
-        for name in CONTEXT_MENU_ACTIONS.get(item, (item,)):
+        for name in CONTEXT_MENU_ACTIONS.get(item, ()):
             if name in self._actions:
                 menu.addAction(self._actions[name])
             elif name in self._submenus:

@@ -251,7 +251,7 @@ def test_the_table_does_not_move_under_the_pointer_when_a_row_is_selected(window
     place = table.mapTo(panel, QPoint(0, 0)), table.height()
     for row in (0, 1):
         choose(hand, table, row)
-        hand.wait(lambda: panel.figures.text())
+        hand.wait(lambda: panel.figures.text() != "")
         assert (table.mapTo(panel, QPoint(0, 0)), table.height()) == place
     at = cell(table, 1).center()
     hand.qtbot.mouseDClick(table.viewport(), LEFT, pos=at)
