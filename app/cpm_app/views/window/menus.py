@@ -80,7 +80,7 @@ CONTEXT_MENU_ACTIONS: Mapping[str, Texts] = {
     "shape": ("enlarge", "shrink", "delete", "", *_RUN_MENU_ACTIONS),
     "charge": ("enlarge", "shrink", "delete", "", "layer_potential", "layer_field"),
     "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects",
-               "objects_alike", "change_object", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
+               "objects_alike", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
                "delete_object"),
     "step": ("timeline_rename", "timeline_parameters", "timeline_delete", "", "export"),
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
