@@ -327,11 +327,6 @@ class SortableTable(QTableView):
         """Return the index of a column."""
         return [known.name for known in self.rows.columns].index(column)
 
-    def column_texts(self, name: str) -> list[str]:
-        """Return the texts of a column, from top to bottom."""
-        number = self.column_index(name)
-        return [str(self.rows.index(row, number).data()) for row in range(len(self.rows.items))]
-
     def describe_cell(self, row: Any, column: Column[Any]) -> str:
         """Return title, text and unit of a cell; empty if it has no value."""
         text = column.format_cell(row, self.rows.factor)

@@ -34,13 +34,6 @@ def refill_submenu(menu: QMenu, spec: Submenu) -> None:
     spec.fill(menu)
 
 
-def _show_obstacle(menu: QMenu, spec: Submenu) -> None:
-    """Disable a submenu that cannot be opened, and say why."""
-    obstacle = spec.find_obstacle()
-    menu.menuAction().setEnabled(not obstacle)
-    menu.menuAction().setToolTip(obstacle)
-
-
 class Menus:
     """Menus of a window, created from specifications and their actions."""
 
@@ -58,8 +51,6 @@ class Menus:
                 inner = menu.addMenu(spec.text)
                 inner.setToolTipsVisible(True)
                 inner.aboutToShow.connect(partial(refill_submenu, inner, spec))
-                menu.aboutToShow.connect(partial(_show_obstacle, inner, spec))
-                menu.setToolTipsVisible(True)
             else:
                 menu.addAction(actions[spec.name])
 

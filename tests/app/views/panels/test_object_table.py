@@ -22,6 +22,7 @@ from cpm_core.image.region import Region
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.objects.selection import Selection
 from tests.app.conftest import show_contours
+from tests.app.reading import column_texts
 
 pytestmark = pytest.mark.shared_window
 
@@ -96,7 +97,7 @@ def drawn(window, panel, offer):
 def column(table, name: str) -> list[str]:
     """The texts of a column, once the table shows what there is."""
     QCoreApplication.processEvents()
-    return table.column_texts(name)
+    return column_texts(table, name)
 
 
 def cell(table, row: int, column: str = "name") -> QRect:
