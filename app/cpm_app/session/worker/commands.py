@@ -158,7 +158,7 @@ def write_files(
     shown: Reconstruction | None,
     document: Document,
     order: ExportOrder,
-    on_encoded: Callable[[tuple[bytes, ...]], object] | None = None,
+    on_encoded: Callable[[tuple[bytes, ...]], object] | None,
 ) -> WorkerCommand:
     """Encode all files of an order and write them, or pass their contents to `on_encoded`.
 

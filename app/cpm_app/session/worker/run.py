@@ -39,7 +39,7 @@ _NO_OVERLAY = ((), None, "")
 class Run:
     """The run that the worker thread steps: a method, its state and its parameters; no other thread touches it."""
 
-    def __init__(self, prepared: PreparedMethods, is_closing: Callable[[], bool] = lambda: False) -> None:
+    def __init__(self, prepared: PreparedMethods, is_closing: Callable[[], bool]) -> None:
         self.snapshots: Mailbox[Snapshot] = Mailbox()
         self.overlays: Mailbox[Overlays] = Mailbox()
         self.reconstructor = Reconstructor()
@@ -159,7 +159,7 @@ class Run:
         if self.state.stop_reason:
             self._remaining = 0.0
 
-    def _apply_action(self, action: RunAction, on_own_branch: bool = False) -> None:
+    def _apply_action(self, action: RunAction, on_own_branch: bool) -> None:
         """Apply an action to the current state; if `on_own_branch`, on a branch of its own."""
         assert self.method is not None
         self.state = action.apply_to(self.method, self.state)

@@ -565,11 +565,10 @@ class ItemTable(SortableTable):
             self.edit(index)
 
 
-def create_wide_button(text: str, do: Callback | None = None) -> QToolButton:
+def create_wide_button(text: str, do: Callback) -> QToolButton:
     """Create a button that fills the available width."""
     button = QToolButton()
     button.setText(text)
     button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-    if do is not None:
-        button.clicked.connect(lambda _=False: do())
+    button.clicked.connect(lambda _=False: do())
     return button
