@@ -18,7 +18,7 @@ from cpm_app.model.state.situation import (
     is_started,
     moves_particles,
 )
-from cpm_app.model.text.language import localize_number, tr
+from cpm_app.model.text.language import tr
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
 from cpm_app.session.worker.commands import call_run
@@ -94,8 +94,7 @@ class RunControlFeature(Feature):
     def _show_values(self) -> None:
         session = self.session
         resolved, snapshot = session.resolved, session.scene.snapshot
-        frames = localize_number(f"{session.frames_per_second:.0f}") if is_running(session.situation) else "–"
-        self.panel.status.show_resolved(resolved, frames)
+        self.panel.status.show_resolved(resolved)
         self.panel.plots.setVisible(moves_particles(session.situation))
         self.panel.show_metrics(snapshot.metrics if snapshot else None)
 
