@@ -267,7 +267,7 @@ def collect_runs(
         return collected
 
     def encode_runs(context: CommandContext) -> None:
-        plain = runs_to_json(context.run.to_stored_runs(sources))
+        plain = runs_to_json(context.run.timeline.to_stored_runs(sources))
         context.report(hand_over(RunsCollected(generation, context.run.timeline.edition, plain)))
 
     return WorkerCommand(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -93,10 +92,6 @@ class Run:
         self.timeline.restore_runs(
             stored, lambda method, document: method.start(self._prepared.compute_seeds(document))
         )
-
-    def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
-        """Return all runs for a session; `sources` as for `Timeline.to_stored_runs`."""
-        return self.timeline.to_stored_runs(sources)
 
     def compute_image_seeds(self, document: Document) -> ImageSeeds:
         """Return the seeds of the starts of a document that depend on the image."""

@@ -20,7 +20,7 @@ FORCE_KINDS = {
     "coulomb": (tr("Coulomb"), theme.COULOMB_COLOR),
     "lorentz": (tr("Lorentz"), theme.LORENTZ_COLOR),
     "placed": (tr("Placed charges"), theme.REGION_COLOR),
-    "friction": (tr("Friction"), theme.JUNCTION_COLOR),
+    "friction": (tr("Friction"), theme.UNKNOWN_COLOR),
     "damping": (tr("Damping"), theme.DAMPING_COLOR),
     "total": (tr("Total"), theme.SELECTED_COLOR),
 }

@@ -26,9 +26,6 @@ _QUANTITY_MAP = "viridis"
 _DARK_MAP_FRACTION = 0.18
 """Fraction of the color maps that is too dark to stand out from a dark image."""
 
-_UNKNOWN_COLOR = theme.JUNCTION_COLOR
-"""Color of particles whose quantity is not known yet; no color map contains it."""
-
 _LEGEND_WIDTH = 154
 """Width of the legend [px]."""
 
@@ -39,7 +36,7 @@ _LEGEND_HTML = (
     f"<table width='{_LEGEND_WIDTH}' cellspacing='0' cellpadding='1'>"
     "<tr><td colspan='3' align='center'>{title}</td></tr>"
     f"<tr><td colspan='3'><img src='{_QUANTITY_MAP}' width='{_LEGEND_WIDTH}' height='{_STRIP_HEIGHT}'></td></tr>"
-    f"<tr><td>0</td><td align='center' style='color:{_UNKNOWN_COLOR}'>{{unknown}}</td>"
+    f"<tr><td>0</td><td align='center' style='color:{theme.UNKNOWN_COLOR}'>{{unknown}}</td>"
     "<td align='right'>{high}</td></tr></table>"
 )
 """Template of the legend: title, a strip of colors, and the values at its ends."""
@@ -178,4 +175,4 @@ class ParticleLayer(Layer):
 def build_quantity_palette() -> Texts:
     """Build the palette: colors from low to high, and one for unknown values."""
     table = color_maps.color_table(_QUANTITY_MAP, SHADE_COUNT, _DARK_MAP_FRACTION)
-    return (*(QColor(*map(int, row)).name() for row in table), _UNKNOWN_COLOR)
+    return (*(QColor(*map(int, row)).name() for row in table), theme.UNKNOWN_COLOR)
