@@ -139,7 +139,3 @@ def test_a_key_opens_the_menu_of_what_is_chosen(ready, hand, menus, keys) -> Non
     hand.key(KEY.Key_N)
     hand.key(*keys)
     assert names(ready, menus.menu) == [name for name in CONTEXT_MENU_ACTIONS["shape"] if name]
-    menus.menu.close()
-    hand.key(KEY.Key_Q)
-    hand.key(*keys)
-    assert "Explain" in texts(menus.menu)
