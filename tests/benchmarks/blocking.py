@@ -24,12 +24,12 @@ from cpm_app.model.document.modes import switch_mode
 from cpm_app.model.preferences.table import THEME_PREFERENCE
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.application import make_application
-from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.main_window import make_window
 from cpm_app.views.widgets.turns import Turns
 from cpm_app.views.window.window import MainWindow
 
 from cpm_core.shapes import Circle, Sphere
+from tests.app.reading import treat_as_saved
 
 REST, PATIENCE = 0.2, 60.0
 """Time for which nothing happens after what has been done, and the longest that is waited for that [s]."""
@@ -172,7 +172,7 @@ def measure(only: str) -> None:
                 if only in what:
                     sys.stdout.write(f"{longest:6.1f} ms  {what}\n")
                     sys.stdout.flush()
-    window.get_feature(OpenSaveFeature).document_file.treat_as_saved()  # without a question whether to save
+    treat_as_saved(window)  # without a question whether to save
     window.close()
 
 

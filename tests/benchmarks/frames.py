@@ -28,11 +28,11 @@ from cpm_app.model.state.resolve import INITIAL_PACE_INDEX, RUN_PACES
 from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.application import make_application
-from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.main_window import make_window
 
 from cpm_core import Parameters
 from cpm_core.shapes import Points
+from tests.app.reading import treat_as_saved
 
 PATIENCE = 300.0
 
@@ -149,7 +149,7 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
         ),
     ]
     sys.stdout.write("\n".join(lines) + "\n")
-    window.get_feature(OpenSaveFeature).document_file.treat_as_saved()  # without a question whether to save
+    treat_as_saved(window)  # without a question whether to save
     window.close()
 
 

@@ -173,11 +173,6 @@ class Session(QObject):
         return self._resolved[1]
 
     @property
-    def frames_per_second(self) -> float:
-        """Measured rate of display frames."""
-        return self._frames.per_second
-
-    @property
     def idle(self) -> bool:
         """Whether there is no work and every report has been shown."""
         return self._worker_thread.idle and self.tasks.idle

@@ -53,7 +53,7 @@ def locale_of(name: str, desktop: QLocale) -> QLocale:
     return desktop if desktop.language() == own.language() else own
 
 
-def run_application(path: str | None = None) -> int:
+def run_application(path: str | None) -> int:
     """Run the desktop program and return its exit status."""
     application = make_application()
     window = open_window(path)

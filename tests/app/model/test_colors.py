@@ -51,7 +51,7 @@ def test_marks_on_the_canvas_are_seen_on_its_background():
         and name not in ("CANVAS_COLOR", "CANVAS_HALO_COLOR")
         and len(color) == 7
     }
-    assert {"CONTOUR_COLOR", "PROPOSAL_COLOR", "JUNCTION_COLOR", "ATTRACTING_COLOR"} <= marks.keys()
+    assert {"CONTOUR_COLOR", "PROPOSAL_COLOR", "UNKNOWN_COLOR", "ATTRACTING_COLOR"} <= marks.keys()
     assert {name: color for name, color in marks.items() if contrast(color, theme.CANVAS_COLOR) < 3.0} == {}
 
 

@@ -23,6 +23,7 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QMessageBox
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Circle, PolygonRegion
+from tests.app.reading import treat_as_saved
 
 pytestmark = pytest.mark.shared_window
 
@@ -211,7 +212,7 @@ def test_cancel_keeps_the_window_and_the_image(ready, hand, asked, tmp_path) -> 
     assert ready.isVisible()
     hand.wait(lambda: ready.session.idle)
     assert ready.session.document.image.name == "disc.npy"
-    ready.get_feature(OpenSaveFeature).document_file.treat_as_saved()
+    treat_as_saved(ready)
 
 
 def test_discard_closes_the_window_without_saving(ready, asked) -> None:
@@ -256,7 +257,7 @@ def test_a_save_that_fails_or_has_no_path_keeps_the_window(ready, hand, asked, m
             assert not ready.close()
         assert ready.isVisible()
     hand.wait(lambda: "none" in ready.canvas_area.messages.text)
-    ready.get_feature(OpenSaveFeature).document_file.treat_as_saved()
+    treat_as_saved(ready)
 
 
 def test_there_is_no_question_where_nothing_would_be_lost(window, asked, hand, saved_to) -> None:

@@ -61,7 +61,7 @@ class PageMetrics:
 
     @classmethod
     def from_rows(
-        cls, rows: Sequence[PageRow], count: int, open_page: int, factor: float, interval: float | None = None
+        cls, rows: Sequence[PageRow], count: int, open_page: int, factor: float, interval: float | None
     ) -> PageMetrics:
         """Collect the metrics of a table of `count` pages; `factor` converts lengths from the unit of the image.
 

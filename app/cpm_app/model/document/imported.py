@@ -68,7 +68,7 @@ class ImportedContent:
         return cls(name, 1, (start_from_surface(surface),), objects, int(not surface.closed), notes, "surface")
 
     @classmethod
-    def from_centerlines(cls, lines: Centerlines, notes: Texts = ()) -> ImportedContent:
+    def from_centerlines(cls, lines: Centerlines, notes: Texts) -> ImportedContent:
         """Import center lines in a volume."""
         count = len(lines.branches)
         return cls(lines.source, count, starts_from_centerlines(lines), (), count, notes, "center lines")

@@ -93,7 +93,7 @@ def accept_objects(document: Document, accepted: Iterable[SegmentedObject], *, e
     return _replace_objects(document, items=tuple(items.values()), rejected=left, **over)
 
 
-def reject_objects(document: Document, numbers: Iterable[int], offered: Iterable[SegmentedObject] = ()) -> Document:
+def reject_objects(document: Document, numbers: Iterable[int], offered: Iterable[SegmentedObject]) -> Document:
     """Reject objects, and proposals in `offered`, none of which will be proposed again."""
     gone = frozenset(numbers)
     removed = [item for item in document.objects.items if item.number in gone]

@@ -55,9 +55,7 @@ def find_action_keys(action: ActionKeys, custom: CustomKeys) -> Texts:
     return custom.get(action.name, action.default)
 
 
-def find_key_holder(
-    key: str, actions: Iterable[ActionKeys], custom: CustomKeys, excluded: str = ""
-) -> ActionKeys | None:
+def find_key_holder(key: str, actions: Iterable[ActionKeys], custom: CustomKeys, excluded: str) -> ActionKeys | None:
     """Find the action that has a key, apart from the one named `excluded`."""
     return next((one for one in actions if one.name != excluded and key in find_action_keys(one, custom)), None)
 

@@ -163,10 +163,6 @@ HIDDEN_IN_VOLUMES = frozenset(("outline", "apply_to_folder"))
 
 TEXTS_IN_VOLUMES = {
     "circle": (tr("Sphe&re"), tr("Drag from the center to draw a sphere.")),
-    "add_circle": (
-        tr("Add sphere in the &middle"),
-        tr("Add a sphere in the middle of the visible part of the slice."),
-    ),
     "ellipse": (
         tr("Bo&x"),
         tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),

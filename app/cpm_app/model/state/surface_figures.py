@@ -10,11 +10,7 @@ from cpm_core import Surface
 from cpm_core.numerics.types import Texts
 
 SURFACE_LABEL = tr("Surface")
-CLOSED_LABEL = tr("Closed")
-EULER_LABEL = tr("Euler number")
-AREA_LABEL = tr("Area")
 VOLUME_LABEL = tr("Volume")
-SUPPORT_LABEL = tr("Supported")
 
 
 def format_surface_figures(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
@@ -23,22 +19,15 @@ def format_surface_figures(found: Surface | None) -> tuple[tuple[str, str, str],
     It takes long the first time for a surface of many triangles, which caches its measures.
     """
     texts = ("–",) * 6 if found is None else _format_figure_values(found)
-    tips = (
-        tr("Separate parts of the surface."),
-        tr("Whether the surface is closed, so that it has an inside."),
-        tr("Euler characteristic: 2 for a sphere, 0 for a ring; the sum over all parts."),
-        tr("Area of the surface."),
-        tr("Volume that a closed surface encloses."),
-        tr("Fraction of the surface with particles nearby; the rest is interpolated."),
+    figures = (
+        (SURFACE_LABEL, tr("Separate parts of the surface.")),
+        (tr("Closed"), tr("Whether the surface is closed, so that it has an inside.")),
+        (tr("Euler number"), tr("Euler characteristic: 2 for a sphere, 0 for a ring; the sum over all parts.")),
+        (tr("Area"), tr("Area of the surface.")),
+        (VOLUME_LABEL, tr("Volume that a closed surface encloses.")),
+        (tr("Supported"), tr("Fraction of the surface with particles nearby; the rest is interpolated.")),
     )
-    return tuple(
-        zip(
-            (SURFACE_LABEL, CLOSED_LABEL, EULER_LABEL, AREA_LABEL, VOLUME_LABEL, SUPPORT_LABEL),
-            texts,
-            tips,
-            strict=True,
-        )
-    )
+    return tuple((label, text, tip) for (label, tip), text in zip(figures, texts, strict=True))
 
 
 def _format_figure_values(found: Surface) -> Texts:

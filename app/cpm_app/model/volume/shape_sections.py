@@ -272,9 +272,9 @@ def build_shape_wires(shape: Shape, sides: Sides) -> Array:
         ball = _outline_middle_cuts(Sphere(shape.position, CHARGE_RADIUS, sides))
         return np.concatenate([ball, _build_crosses(np.array([shape.position]), sides)])
     if isinstance(shape, Measure) and shape.outline.shape[1] == 3:
-        return _split_into_segments(shape.outline)
+        return pair_neighbors(shape.outline)
     if isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
-        return _split_into_segments(shape.outline) if len(shape.points) > 1 else _build_crosses(shape.outline, sides)
+        return pair_neighbors(shape.outline) if len(shape.points) > 1 else _build_crosses(shape.outline, sides)
     if isinstance(shape, Points) and len(shape.positions[0]) == 3:
         return _build_crosses(shape.seeds(), sides)
     return np.empty((0, 2, 3))
@@ -290,13 +290,8 @@ def _outline_middle_cuts(shape: Sphere | EnclosedRegion | EnclosingWall) -> Arra
             if isinstance(shape, Sphere)
             else _iterate_cuts(shape, here, ())
         )
-        pieces += [_split_into_segments(np.insert(cut.outline, axis, place, axis=1)) for cut in cuts]
+        pieces += [pair_neighbors(np.insert(cut.outline, axis, place, axis=1)) for cut in cuts]
     return np.concatenate(pieces)
-
-
-def _split_into_segments(path: Array) -> Array:
-    """Split a path, shape (K, 3), into its segments, shape (K - 1, 2, 3)."""
-    return pair_neighbors(path)
 
 
 def _build_crosses(places: Array, sides: Sides) -> Array:
@@ -309,4 +304,4 @@ def _extrude_line(line: Array, axis: int, first: float, last: float) -> Array:
     """Return a line in its first and its last slice, and edges from one to the other."""
     ends = [np.insert(line, axis, at, axis=1) for at in (first, last)]
     chosen = sorted({*range(0, len(line), -(-len(line) // _MAX_EXTRUDED_EDGES)), len(line) - 1})
-    return np.concatenate([*map(_split_into_segments, ends), np.stack([end[chosen] for end in ends], axis=1)])
+    return np.concatenate([*map(pair_neighbors, ends), np.stack([end[chosen] for end in ends], axis=1)])

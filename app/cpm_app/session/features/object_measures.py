@@ -6,19 +6,14 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.session import Session
 from cpm_core import Image, Surface
-from cpm_core.numerics import Array
 from cpm_core.numerics.grids import window_at
 from cpm_core.objects.segmented import SegmentedObject
-
-GRAY_HISTOGRAM_BINS = 32
-"""Number of bars of a histogram."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +24,6 @@ class ObjectFigures:
     ----------
     gray : float
         Mean gray value; NaN if it has no pixel.
-    counts : tuple of int
-        Numbers of pixels in `GRAY_HISTOGRAM_BINS` equal steps of gray value, over the range of the image.
     volume, area : float
         Volume of the voxels of an object in a volume, and area of its surface, in the unit of the image; 0 in an image,
         as are the rest.
@@ -41,7 +34,6 @@ class ObjectFigures:
     """
 
     gray: float
-    counts: tuple[int, ...] = ()
     volume: float = 0.0
     area: float = 0.0
     parts: int = 0
@@ -97,21 +89,15 @@ def _region_or_line(item: SegmentedObject) -> object:
     return item.line or item.region
 
 
-def gray_histogram(values: Array, image: Image) -> tuple[int, ...]:
-    """Count the values, of any shape, in each of `GRAY_HISTOGRAM_BINS` equal steps of the gray range of an image."""
-    low, high = image.gray_range
-    return tuple(np.histogram(values, GRAY_HISTOGRAM_BINS, (low, max(high, low + 1e-9)))[0].tolist())
-
-
 def _measure_object(item: SegmentedObject, image: Image) -> ObjectFigures:
     first, mask = item.region.cut_to((0,) * image.ndim, image.shape)
     values = image.stored[window_at(first, mask.shape)][mask]
-    gray, counts = float(values.mean(dtype=float)) if len(values) else float("nan"), gray_histogram(values, image)
+    gray = float(values.mean(dtype=float)) if len(values) else math.nan
     if image.ndim == 2:
-        return ObjectFigures(gray, counts)
+        return ObjectFigures(gray)
     body = item.region.find_surface()
     # cached here, because limits and painting need it on the window's thread, which must not wait
     _ = item.region.shell
     surface = replace(body, spacing=image.spacing, unit=image.unit)
     volume = len(values) * math.prod(image.spacing)  # as in tables and masks
-    return ObjectFigures(gray, counts, volume, surface.area, surface.components, surface.euler, body)
+    return ObjectFigures(gray, volume, surface.area, surface.components, surface.euler, body)

@@ -126,7 +126,7 @@ class OutlineEditing(QObject):
 
     # Lines that follow the edges
 
-    def path_from(self, start: Position, avoided: Sequence[Array] = ()) -> PathFinder:
+    def path_from(self, start: Position, avoided: Sequence[Array]) -> PathFinder:
         """Return a finder of paths along the edges from a place; they avoid some lines, each of shape (K, 2) [px]."""
         if self.edges is None:
             return lambda place: np.array([start, place], float)

@@ -233,10 +233,10 @@ def _slice_result(reconstruction: Reconstruction | None, here: Slice) -> Reconst
     return replace(reconstruction, result=replace(found, contours=lines, surface=None))
 
 
-def hit_shape(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> ShapeHit | None:
+def hit_shape(scene: Scene, place: Place, tolerance: float, here: Slice | None) -> ShapeHit | None:
     """Find the shape of a scene under a place; in a volume only sections in a slice can be hit.
 
-    The slice is by default the one in use.
+    None stands for the slice in use.
     """
     shapes, selected = scene.document.shapes, scene.selected_shape
     if scene.slices is None or scene.full_image is None:

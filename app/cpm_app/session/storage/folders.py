@@ -14,8 +14,8 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.document.samples import find_sample_at
 from cpm_app.session.storage.preferences import Preferences
 
-Purpose = Literal["open", "session", "export", "truth", "preset"]
-"""Purpose of a dialog: an image or session to open, a session to write, a result, a ground truth, a preset."""
+Purpose = Literal["open", "session", "export", "truth"]
+"""Purpose of a dialog: an image or session to open, a session to write, a result, a ground truth."""
 
 _READING_PURPOSES = frozenset({"open", "truth"})
 """Purposes for which a folder need not be writable."""

@@ -64,10 +64,6 @@ class RunCollector(QObject):
         self._saved = edition
         self.changed.emit()
 
-    def treat_as_saved(self) -> None:
-        """Treat the runs as saved."""
-        self._saved = self._known.edition
-
     def _on_scene_changed(self) -> None:
         """Collect changes of the runs soon, once they are at rest."""
         outline, known = self._session.scene.timeline, self._known

@@ -161,12 +161,6 @@ class DocumentFile(QObject):
         if task in self._written:
             self._session.store.dispatch_report(self._written.pop(task))
 
-    def treat_as_saved(self) -> None:
-        """Treat the document as saved."""
-        self.saved_document = self._session.document
-        self.runs.treat_as_saved()
-        self._announce_state()
-
     def _on_image_changed(self) -> None:
         """Treat the document that an image begins with as saved, until `_on_image_opened` knows its file."""
         self.saved_document = self._session.document

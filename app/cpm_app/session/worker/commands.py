@@ -158,7 +158,7 @@ def write_files(
     shown: Reconstruction | None,
     document: Document,
     order: ExportOrder,
-    on_encoded: Callable[[tuple[bytes, ...]], object] | None = None,
+    on_encoded: Callable[[tuple[bytes, ...]], object] | None,
 ) -> WorkerCommand:
     """Encode all files of an order and write them, or pass their contents to `on_encoded`.
 
@@ -267,7 +267,7 @@ def collect_runs(
         return collected
 
     def encode_runs(context: CommandContext) -> None:
-        plain = runs_to_json(context.run.to_stored_runs(sources))
+        plain = runs_to_json(context.run.timeline.to_stored_runs(sources))
         context.report(hand_over(RunsCollected(generation, context.run.timeline.edition, plain)))
 
     return WorkerCommand(

@@ -137,7 +137,7 @@ class ImageShaded(Report):
     channel: str = "luminance"
 
 
-def shade_image(image: Image, window: IntensityWindow, channel: str = "luminance") -> WorkerCommand:
+def shade_image(image: Image, window: IntensityWindow, channel: str) -> WorkerCommand:
     """Make the display image of a channel for an intensity window."""
 
     def report_shaded(context: CommandContext) -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -39,7 +38,7 @@ _NO_OVERLAY = ((), None, "")
 class Run:
     """The run that the worker thread steps: a method, its state and its parameters; no other thread touches it."""
 
-    def __init__(self, prepared: PreparedMethods, is_closing: Callable[[], bool] = lambda: False) -> None:
+    def __init__(self, prepared: PreparedMethods, is_closing: Callable[[], bool]) -> None:
         self.snapshots: Mailbox[Snapshot] = Mailbox()
         self.overlays: Mailbox[Overlays] = Mailbox()
         self.reconstructor = Reconstructor()
@@ -93,10 +92,6 @@ class Run:
         self.timeline.restore_runs(
             stored, lambda method, document: method.start(self._prepared.compute_seeds(document))
         )
-
-    def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
-        """Return all runs for a session; `sources` as for `Timeline.to_stored_runs`."""
-        return self.timeline.to_stored_runs(sources)
 
     def compute_image_seeds(self, document: Document) -> ImageSeeds:
         """Return the seeds of the starts of a document that depend on the image."""
@@ -159,7 +154,7 @@ class Run:
         if self.state.stop_reason:
             self._remaining = 0.0
 
-    def _apply_action(self, action: RunAction, on_own_branch: bool = False) -> None:
+    def _apply_action(self, action: RunAction, on_own_branch: bool) -> None:
         """Apply an action to the current state; if `on_own_branch`, on a branch of its own."""
         assert self.method is not None
         self.state = action.apply_to(self.method, self.state)

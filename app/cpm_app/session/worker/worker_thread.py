@@ -30,7 +30,7 @@ class WorkerThread:
     the window, which takes these messages itself.
     """
 
-    def __init__(self, core: CoreFunctions | None = None) -> None:
+    def __init__(self, core: CoreFunctions) -> None:
         self._reports: deque[Report] = deque()
         self._commands: queue.SimpleQueue[Due] = queue.SimpleQueue()
         self._posted = 0
@@ -38,7 +38,6 @@ class WorkerThread:
         self._waiting = False
         self._closing = False
         self._newest: dict[object, WorkerCommand] = {}
-        core = core or CoreFunctions()
         self.run = Run(PreparedMethods(core.methods), lambda: self._closing)
         self._context = CommandContext(core, self.run, self.send_report, lambda: self._closing)
         self._thread = threading.Thread(target=self._run_loop, name="cpm-engine", daemon=True)

@@ -26,10 +26,9 @@ from cpm_app.views.canvas.selected_places import rectangle_around, selected_plac
 from cpm_app.views.layers.image_layer import LevelDrag
 from cpm_app.views.tools import TOOLS
 from cpm_app.views.tools.select import SelectTool
-from cpm_app.views.tools.tool import draw_shape
 from cpm_app.views.widgets.containers import ENTER_KEYS, OfferBar, fill_layout
 from cpm_core.numerics import Place
-from cpm_core.shapes import Charge, Circle, Sphere
+from cpm_core.shapes import Charge
 
 _WIDE_AREA_TEXT = tr(
     "No edge encloses this start: its area is {percent} of the image. Start inside an object, or limit the run by a "
@@ -64,9 +63,6 @@ _PAN_STEP = 40.0
 
 _WIDE_AREA_SHARE = 0.5
 """Share of the image above which the area of a start is said to cover most of it."""
-
-_NEW_CIRCLE_FRACTION = 0.2
-"""Radius of a circle added by key, as a fraction of the visible part."""
 
 
 class CanvasArea(QWidget):
@@ -219,19 +215,6 @@ class CanvasArea(QWidget):
         places = selected_places(self._workspace)
         if places:
             self.canvas.show_part(rectangle_around(np.concatenate(places), self.canvas, self._workspace.slices))
-
-    def add_circle(self) -> None:
-        """Add a circle in the middle of the visible part."""
-        seen = self.canvas.view.viewRect()
-        if self.canvas.shape is None:
-            return
-        rows, cols = self.canvas.shape
-        row = min(max(seen.center().y(), 0.0), rows - 1.0)
-        col = min(max(seen.center().x(), 0.0), cols - 1.0)
-        radius = max(4.0, _NEW_CIRCLE_FRACTION * min(seen.width(), seen.height(), rows, cols))
-        volume, center = self.canvas.drawn_scene.volume, self.canvas.place_at((row, col))
-        round_one = Circle(center, radius) if volume is None else Sphere.from_voxel_size(center, radius, volume.spacing)
-        draw_shape(self._session, round_one)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Handle the keys of the draft and of the selection, including some that are shortcuts of the window."""

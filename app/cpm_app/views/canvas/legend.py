@@ -18,7 +18,7 @@ from cpm_app.views.widgets.containers import ElidedLabel, FoldButton, fill_layou
 _LEGEND_INTERVAL = 150
 """Minimum time between two updates [ms]; the number of particles changes in every frame."""
 
-_SIGN_CHARACTERS = {"line": "━━", "dashed": "╍╍", "dot": "●", "check": "✔", "area": "■"}
+_SIGN_CHARACTERS = {"line": "━━", "dashed": "╍╍", "dot": "●", "area": "■"}
 """Character that stands for each way of drawing."""
 
 _STRIP_PADDING = 10

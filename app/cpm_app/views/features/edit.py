@@ -37,9 +37,6 @@ class DrawFeature(Feature):
                         tr("Start where the gradient is large; choose again to remove it."), tr("Edges")),
             self._create_start_action("centers", tr("Ce&nters"), "Ctrl+Shift+C",
                         tr("Start at the centers of regions enclosed by edges; choose again to remove it.")),
-            ActionSpec("add_circle", ">" + tr("Tools"), "Add circle in the &middle",
-                       "Add a circle in the middle of the visible part.", area.add_circle, "Ctrl+K",
-                       when=has_image),
             ActionSpec("cross_hair", "Tools", "Draw by &keys",
                        "Draw with the current tool by moving a cross-hair with the arrow keys; or press "
                        "Enter on the image.",

@@ -105,9 +105,6 @@ class ObjectsFeature(Feature):
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_similar(objects.selected_objects[0].number), "Ctrl+L",
                        when=has_one_with_area),
-            ActionSpec("change_object", "Objects", "Change by &clicks",
-                       "Select the object again, beginning with what it is.", self._change_by_clicks,
-                       when=has_one_with_area),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the objects again by their own clicks, on the contours of the last run.",
                        lambda: selection.refit_objects(objects.selected_numbers),
@@ -209,10 +206,6 @@ class ObjectsFeature(Feature):
             and len(self._object_list.selected_rows) == 1
         ):
             self.ask_for_name()
-
-    def _change_by_clicks(self) -> None:
-        self.window.canvas_area.use_tool("objects")
-        self._selection.correct_object(self._object_list.selected_objects[0].number)
 
     def _fill_classes(self, menu: QMenu) -> None:
         objects = self._object_list.objects

@@ -18,7 +18,7 @@ from cpm_app.model.state.situation import (
     is_started,
     moves_particles,
 )
-from cpm_app.model.text.language import localize_number, tr
+from cpm_app.model.text.language import tr
 from cpm_app.session.storage.presets import PresetStore
 from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE
 from cpm_app.session.worker.commands import call_run
@@ -94,8 +94,7 @@ class RunControlFeature(Feature):
     def _show_values(self) -> None:
         session = self.session
         resolved, snapshot = session.resolved, session.scene.snapshot
-        frames = localize_number(f"{session.frames_per_second:.0f}") if is_running(session.situation) else "–"
-        self.panel.status.show_resolved(resolved, frames)
+        self.panel.status.show_resolved(resolved)
         self.panel.plots.setVisible(moves_particles(session.situation))
         self.panel.show_metrics(snapshot.metrics if snapshot else None)
 
@@ -136,10 +135,6 @@ class TimelineFeature(Feature):
                        when=has_recorded_run),
             ActionSpec("timeline_forward", _TIMELINE_GROUP, "One step &forward", "Go to the next recorded step.",
                        partial(to.go_by, 1), icon="forward", when=has_recorded_run),
-            ActionSpec("timeline_back_ten", _TIMELINE_GROUP, "Ten steps b&ack", "Go ten steps back.",
-                       partial(to.go_by, -10), "Shift+,", when=has_recorded_run),
-            ActionSpec("timeline_forward_ten", _TIMELINE_GROUP, "Ten steps f&orward", "Go ten steps forward.",
-                       partial(to.go_by, 10), "Shift+.", when=has_recorded_run),
             ActionSpec("timeline_first", _TIMELINE_GROUP, "Fi&rst step",
                        "Go to the first step of the run; Home on the canvas does the same.", to.go_to_first,
                        "Ctrl+Home", "first", when=has_recorded_run),

@@ -77,7 +77,7 @@ class StartScreen(QWidget):
         self.hide()
 
     def show_entries(
-        self, recent: Sequence[StartEntry], samples: Sequence[StartEntry], can_go_back: bool, error: str = ""
+        self, recent: Sequence[StartEntry], samples: Sequence[StartEntry], can_go_back: bool, error: str
     ) -> None:
         """Show files in place of the image, below an `error`; `can_go_back` offers to return to the image."""
         self.error_label.setText(error)

@@ -65,8 +65,8 @@ class Discs(ImageOverlay):
         self._stamp = QImage()
         self._stamped: tuple[object, ...] = ()
 
-    def set_palette(self, colors: Sequence[str] = ()) -> None:
-        """Set the palette, by default the color of the item; call `show_discs` afterwards."""
+    def set_palette(self, colors: Sequence[str]) -> None:
+        """Set the palette; an empty one is the color of the item; call `show_discs` afterwards."""
         self._colors = tuple(colors) or self._default_palette
         self.update()
 

@@ -7,7 +7,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import find_edge_labels
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.item import TEXT_COLOR, PinnedText
-from cpm_app.views.layers.layer import Layer, Option
+from cpm_app.views.layers.layer import Layer
 from cpm_core.image import ScaleBar
 from cpm_core.numerics.types import Texts
 
@@ -31,13 +31,12 @@ _SCALE_BAR_HTML = (
 
 
 class ScaleBarLayer(Layer):
-    """A bar of round length in the unit of the image; optional for images without a unit."""
+    """A bar of round length in the unit of the image, if there is one."""
 
     name = "scale_bar"
     title = tr("Scale bar")
     tip = tr("A bar of round length, if the pixel size is known.")
     shortcut = "Alt+Shift+0"
-    options = (Option("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),)
 
     def create_items(self) -> None:
         """Create the items of the layer."""
@@ -49,7 +48,7 @@ class ScaleBarLayer(Layer):
         self.view.sigResized.connect(self._update_bar)
 
     def apply_visibility(self) -> None:
-        """Show the bar if the pixel size is known, or on request."""
+        """Show the bar if the pixel size is known."""
         self._update_bar()
 
     def show_scene(self, before: Scene) -> None:
@@ -59,7 +58,7 @@ class ScaleBarLayer(Layer):
 
     def _update_bar(self, *_: object) -> None:
         image = self.scene.image
-        shown = self.shown and image is not None and (image.unit is not None or bool(self.option_values["pixels"]))
+        shown = self.shown and image is not None and image.unit is not None
         self.item.setVisible(shown)
         if shown and image is not None:
             pixel = float(self.view.viewPixelSize()[0])

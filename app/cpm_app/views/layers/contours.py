@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import pyqtgraph as pg
-
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
-from cpm_app.views.items.item import Markers
-from cpm_app.views.layers.layer import Layer, LegendEntry, Option, Sign
+from cpm_app.views.layers.layer import Layer, LegendEntry, Sign
 from cpm_app.views.theme import theme
 from cpm_core import Truth
 
@@ -39,7 +36,6 @@ class ContourLayer(Layer):
     tip = tr("Closed and open contours of the run.")
     shortcut = "Alt+4"
     colors = (theme.CONTOUR_COLOR,)
-    options = (Option("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),)
 
     def create_items(self) -> None:
         """Create the items of the layer."""
@@ -48,12 +44,7 @@ class ContourLayer(Layer):
         self.short = Curves(theme.CONTOUR_COLOR, 3.95, width=1.0, halo=0.0)
         self._curves = Curves(theme.CONTOUR_COLOR, 4.1, width=1.5, halo=3.2)
         self.bridges = Curves(theme.CANVAS_HALO_COLOR, 4.2, width=1.5, halo=0.0, dashed=True)
-        self.junctions = Markers(
-            5.5, size=8.0, symbol="d", pen=pg.mkPen(theme.CANVAS_HALO_COLOR), brush=pg.mkBrush(theme.JUNCTION_COLOR)
-        )
         self.add_items(self._hovered, self._selected, self.short, self._curves, self.bridges)
-        self.add_items(self.junctions, switch="junctions")
-        self.apply_visibility()
         self.apply_opacity()
 
     @property
@@ -96,8 +87,6 @@ class ContourLayer(Layer):
         for curves, pale in ((self.short, True), (self._curves, False)):
             curves.show_paths([one.path for one, recedes in zip(contours, short, strict=True) if recedes == pale])
         self.bridges.show_paths([bridge.points for bridge in result.bridges] if result is not None else [])
-        ends = [contour.points[end] for contour in contours for end in (0, -1) if contour.junctions[end]]
-        self.junctions.show_markers({(float(row), float(col)) for row, col in ends})
 
 
 class TruthLayer(Layer):

@@ -16,7 +16,7 @@ from cpm_app.session.scene import Scene
 from cpm_app.session.worker.prepared_methods import AREA_OVERLAY
 from cpm_app.views.items.item import enable_caching, line_pen, to_xy
 from cpm_app.views.items.tiled_image import TiledImage
-from cpm_app.views.layers.layer import Layer, LegendEntry, Option
+from cpm_app.views.layers.layer import Layer, LegendEntry
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 from cpm_core.numerics.grids import grid_points
@@ -32,16 +32,14 @@ _POTENTIAL_OPACITY = 0.75
 """Opacity of the potential over the image when the layer is fully opaque."""
 
 
-def _create_map_option(names: Sequence[str], tip: str) -> Option:
-    return Option("map", tr("Colors"), names[0], tip, {name: color_maps.COLOR_MAPS[name] for name in names})
-
-
 class ScalarOverlay(Layer):
     """A scalar overlay, shape (H, W), in the colors of a map; the worker computes it only while it is shown."""
 
     initially_shown = False
     z: ClassVar[float]
     """Place in the stack of layers."""
+    color_map: ClassVar[str]
+    """Name of the color map."""
 
     def create_items(self) -> None:
         """Create the items of the layer."""
@@ -58,7 +56,8 @@ class ScalarOverlay(Layer):
     def apply_visibility(self) -> None:
         """Request the overlay only while it is shown."""
         self.requests.set_overlay_enabled(self.name, self.shown)
-        self.apply_option("map")
+        if self.shown:  # reading the colors is slow
+            self._item.set_color_table(self.color_table())
         self._show_overlay()
 
     def show_scene(self, before: Scene) -> None:
@@ -73,14 +72,9 @@ class ScalarOverlay(Layer):
         if isinstance(shades, DisplayImage):
             self._item.show_image(shades)
 
-    def apply_option(self, name: str) -> None:
-        """Change the colors; load them only while they are visible, because reading them is slow."""
-        if self.shown:
-            self._item.set_color_table(self.color_table())
-
     def color_table(self) -> np.ndarray:
         """Return the colors of the 256 shades, shape (256, 3) or (256, 4), uint8."""
-        return color_maps.color_table(self.get_choice("map"))
+        return color_maps.color_table(self.color_map)
 
 
 class StartAreaLayer(ScalarOverlay):
@@ -123,13 +117,8 @@ class EdgeMapLayer(ScalarOverlay):
     tip = tr("Strength of the edges that attract the particles.")
     shortcut = "Alt+7"
     colors = ("#f98c0a",)
-    options = (
-        _create_map_option(
-            ("inferno", "magma", "plasma", "viridis", "cividis", color_maps.GRAY_MAP),
-            tr("Colors from weak to strong edges."),
-        ),
-    )
     z = 1.0
+    color_map = "inferno"
 
     def color_table(self) -> np.ndarray:
         """Return colors, shape (256, 4), whose opacity grows with the strength of the edge."""
@@ -144,13 +133,8 @@ class PotentialLayer(ScalarOverlay):
     tip = tr("Potential of the edges and of placed charges: particles slide down, from bright to dark.")
     shortcut = "Alt+8"
     colors = ("#7c7b78",)
-    options = (
-        _create_map_option(
-            ("cividis", "viridis", "magma", "plasma", color_maps.GRAY_MAP),
-            tr("Colors from low to high potential."),
-        ),
-    )
     z = 0.9
+    color_map = "cividis"
 
     def apply_opacity(self) -> None:
         """Set the opacity so that the image remains visible below the colors."""

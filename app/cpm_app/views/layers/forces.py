@@ -12,7 +12,7 @@ from cpm_app.session.scene import Scene
 from cpm_app.session.worker.requests import ForcesProbed, probe_forces
 from cpm_app.views.items.item import FAINT_TEXT_COLOR, Markers, PinnedText, line_pen, to_position, to_xy
 from cpm_app.views.layers.fields import build_arrow_lines
-from cpm_app.views.layers.layer import Layer, Option
+from cpm_app.views.layers.layer import Layer
 from cpm_app.views.theme import theme
 from cpm_core.numerics import Place
 
@@ -20,7 +20,7 @@ FORCE_KINDS = {
     "coulomb": (tr("Coulomb"), theme.COULOMB_COLOR),
     "lorentz": (tr("Lorentz"), theme.LORENTZ_COLOR),
     "placed": (tr("Placed charges"), theme.REGION_COLOR),
-    "friction": (tr("Friction"), theme.JUNCTION_COLOR),
+    "friction": (tr("Friction"), theme.UNKNOWN_COLOR),
     "damping": (tr("Damping"), theme.DAMPING_COLOR),
     "total": (tr("Total"), theme.SELECTED_COLOR),
 }
@@ -34,6 +34,9 @@ _PROBE_RADIUS = 24.0
 
 _MIN_SHOWN_FORCE = 5e-4
 """Force below which none is shown."""
+
+_ARROW_LENGTH = 80.0
+"""Length of the longest arrow [px of the screen]."""
 
 _FULL_ARROW_FORCE = 0.2
 """Force from which the longest arrow has its full length; if all forces are weaker, all arrows are shorter."""
@@ -54,15 +57,6 @@ class ForceLayer(Layer):
     shortcut = "Alt+3"
     initially_shown = False
     colors = (theme.COULOMB_COLOR, theme.LORENTZ_COLOR, theme.DAMPING_COLOR)
-    options = (
-        Option(
-            "length",
-            tr("Length"),
-            80.0,
-            tr("Length of the longest arrow, in px of the screen."),
-            bounds=(20.0, 200.0, 5.0),
-        ),
-    )
 
     def create_items(self) -> None:
         """Create the items of the layer."""
@@ -93,10 +87,6 @@ class ForceLayer(Layer):
         """Request forces only while the layer is shown."""
         self._show_probed(None)
         self._request_forces()
-
-    def apply_option(self, name: str) -> None:
-        """Change the length of the arrows."""
-        self._draw_arrows()
 
     def show_scene(self, before: Scene) -> None:
         """Show requested forces; request them again when the particles have moved."""
@@ -144,5 +134,5 @@ class ForceLayer(Layer):
         at, pixel = np.array([probed.position]), np.array(self.view.viewPixelSize()[::-1])
         for name, item in self._arrows.items():
             way = probed.forces[name] * (probed.sizes[name] >= _MIN_SHOWN_FORCE)
-            item.setData(*to_xy(build_arrow_lines(at, at + self.get_amount("length") / longest * way * pixel)))
+            item.setData(*to_xy(build_arrow_lines(at, at + _ARROW_LENGTH / longest * way * pixel)))
         self._ring.show_markers(at)

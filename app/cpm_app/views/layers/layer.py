@@ -52,8 +52,8 @@ class Option:
         return float(value) if isinstance(value, int | float) and low <= value <= high else None
 
 
-Sign = Literal["line", "dashed", "dot", "check", "area"]
-"""Way of drawing an item, for the legend: line, dashed line, disc, check mark or area."""
+Sign = Literal["line", "dashed", "dot", "area"]
+"""Way of drawing an item, for the legend: line, dashed line, disc or area."""
 
 
 @frozen
@@ -70,7 +70,7 @@ class LegendEntry:
         Sentence on their meaning.
     color : str
         Color of the items.
-    sign : {"line", "dashed", "dot", "check", "area"}
+    sign : {"line", "dashed", "dot", "area"}
         Way of drawing.
     """
 

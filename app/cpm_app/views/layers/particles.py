@@ -18,13 +18,13 @@ from cpm_app.views.items.item import PinnedText
 from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import NO_POINTS
+from cpm_core.numerics.types import NO_POINTS, Texts
+
+_QUANTITY_MAP = "viridis"
+"""Color map for quantities."""
 
 _DARK_MAP_FRACTION = 0.18
 """Fraction of the color maps that is too dark to stand out from a dark image."""
-
-_UNKNOWN_COLOR = theme.JUNCTION_COLOR
-"""Color of particles whose quantity is not known yet; no color map contains it."""
 
 _LEGEND_WIDTH = 154
 """Width of the legend [px]."""
@@ -35,19 +35,11 @@ _STRIP_HEIGHT = 8
 _LEGEND_HTML = (
     f"<table width='{_LEGEND_WIDTH}' cellspacing='0' cellpadding='1'>"
     "<tr><td colspan='3' align='center'>{title}</td></tr>"
-    f"<tr><td colspan='3'><img src='{{map}}' width='{_LEGEND_WIDTH}' height='{_STRIP_HEIGHT}'></td></tr><tr><td>0</td>"
-    f"<td align='center' style='color:{_UNKNOWN_COLOR}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
+    f"<tr><td colspan='3'><img src='{_QUANTITY_MAP}' width='{_LEGEND_WIDTH}' height='{_STRIP_HEIGHT}'></td></tr>"
+    f"<tr><td>0</td><td align='center' style='color:{theme.UNKNOWN_COLOR}'>{{unknown}}</td>"
+    "<td align='right'>{high}</td></tr></table>"
 )
 """Template of the legend: title, a strip of colors, and the values at its ends."""
-
-_SMALL_AFTER_RUN = "small"
-"""Value of the option that shrinks particles after a run."""
-
-_SAME_AFTER_RUN = "same"
-"""Value of the option that leaves particles as they are after a run."""
-
-_HIDDEN_AFTER_RUN = "hidden"
-"""Value of the option that hides particles after a run."""
 
 _ENDED_DIAMETER_FACTOR = 0.55
 """Factor of the diameter of particles after the end of a run."""
@@ -66,9 +58,6 @@ _OFF_SLICE_FADING = 0.85
 
 _BY_STATE = "state"
 """Value of the option that colors particles by state."""
-
-_QUANTITY_MAPS = ("viridis", "cividis", "magma")
-"""Color maps for quantities."""
 
 
 class ParticleLayer(Layer):
@@ -95,24 +84,6 @@ class ParticleLayer(Layer):
             " ".join(quantity.tip for quantity in QUANTITIES.values()),
             color_choices,
         ),
-        Option(
-            "map",
-            tr("Colors"),
-            "viridis",
-            tr("Colors from low to high."),
-            {name: color_maps.COLOR_MAPS[name] for name in _QUANTITY_MAPS},
-        ),
-        Option(
-            "done",
-            tr("After a run"),
-            _SMALL_AFTER_RUN,
-            tr("How particles are shown when a run has ended."),
-            {
-                _SMALL_AFTER_RUN: tr("Small and pale"),
-                _SAME_AFTER_RUN: tr("As during the run"),
-                _HIDDEN_AFTER_RUN: tr("Hidden"),
-            },
-        ),
     )
 
     def create_items(self) -> None:
@@ -121,6 +92,9 @@ class ParticleLayer(Layer):
         self._resting = Discs(theme.RESTING_COLOR, 7.0, 3.0)
         self._moving = Discs(theme.MOVING_COLOR, 6.0, _RUNNING_Z)
         self.legend = PinnedText(self.view, (1.0, 1.0))
+        strip = color_maps.draw_color_strip(_QUANTITY_MAP, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, _DARK_MAP_FRACTION)
+        kind, address = QTextDocument.ResourceType.ImageResource, QUrl(_QUANTITY_MAP)
+        self.legend.textItem.document().addResource(kind, address, strip)
         self._discs = (self._resting, self._moving)
         self.add_items(*self._discs, self.legend)
 
@@ -134,16 +108,10 @@ class ParticleLayer(Layer):
         """Number of particles shown."""
         return sum(discs.count for discs in self._discs)
 
-    def diameter_factor(self, snapshot: Snapshot | None) -> float:
-        """Return the factor for the diameter of the particles of a snapshot; 0 if they are hidden after its run."""
-        ended = snapshot is not None and snapshot.state.stop_reason
-        return (
-            {_SAME_AFTER_RUN: 1.0, _SMALL_AFTER_RUN: _ENDED_DIAMETER_FACTOR, _HIDDEN_AFTER_RUN: 0.0}[
-                self.get_choice("done")
-            ]
-            if ended
-            else 1.0
-        )
+    @staticmethod
+    def diameter_factor(snapshot: Snapshot | None) -> float:
+        """Return the factor for the diameter of the particles of a snapshot."""
+        return _ENDED_DIAMETER_FACTOR if snapshot is not None and snapshot.state.stop_reason else 1.0
 
     def legend_entries(self) -> Sequence[LegendEntry]:
         """Return the entries of the states during a run; quantities have a legend on the canvas."""
@@ -158,32 +126,23 @@ class ParticleLayer(Layer):
 
     def apply_visibility(self) -> None:
         """Show or hide the particles and the legend."""
-        snapshot = self.scene.snapshot
         for discs in self._discs:
-            discs.setVisible(self.shown and self.diameter_factor(snapshot) > 0.0)
-        self.legend.setVisible(self.shown and snapshot is not None and self.get_choice("colour") != _BY_STATE)
+            discs.setVisible(self.shown)
+        by_quantity = self.scene.snapshot is not None and self.get_choice("colour") != _BY_STATE
+        self.legend.setVisible(self.shown and by_quantity)
 
     def apply_opacity(self) -> None:
         """Set opacity, size and place in the stack."""
-        recede = self.diameter_factor(self.scene.snapshot) < 1.0
+        factor = self.diameter_factor(self.scene.snapshot)
+        recede = factor < 1.0
         for discs in self._discs:
             discs.setOpacity(self.opacity * (_ENDED_OPACITY_FACTOR if recede else 1.0))
-            discs.set_size_factor(_ENDED_DIAMETER_FACTOR if recede else 1.0)
+            discs.set_size_factor(factor)
         self._moving.setZValue(_ENDED_Z if recede else _RUNNING_Z)
 
-    def has_effect(self, name: str) -> bool:
-        """Tell whether an option has an effect: a color map has one only while a quantity is shown."""
-        return name != "map" or self.get_choice("colour") != _BY_STATE
-
     def apply_option(self, _: str) -> None:
-        """Change the colors, or the appearance of particles after a run."""
-        palette: list[str] = []
-        if self.get_choice("colour") != _BY_STATE:
-            palette, strip = (
-                build_quantity_palette(name := self.get_choice("map")),
-                color_maps.draw_color_strip(name, 2 * _LEGEND_WIDTH, 2 * _STRIP_HEIGHT, _DARK_MAP_FRACTION),
-            )
-            self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
+        """Change the colors."""
+        palette = () if self.get_choice("colour") == _BY_STATE else build_quantity_palette()
         for discs in self._discs:
             discs.set_palette(palette)
         self._show_particles()
@@ -201,9 +160,7 @@ class ParticleLayer(Layer):
             marks, high = color_particles(quantity, snapshot.state, snapshot.metrics)
             unknown = tr("● too new") if (marks == SHADE_COUNT).any() else ""
             marks, end = marks if near is None else marks[near.index], localize_number(f"{high:g}")
-            self.legend.show_html(
-                _LEGEND_HTML.format(title=quantity.title, map=self.get_choice("map"), high=end, unknown=unknown)
-            )
+            self.legend.show_html(_LEGEND_HTML.format(title=quantity.title, high=end, unknown=unknown))
         for discs in self._discs:
             if snapshot is None:
                 discs.show_discs(NO_POINTS)
@@ -215,8 +172,7 @@ class ParticleLayer(Layer):
         self.apply_visibility()
 
 
-def build_quantity_palette(name: str) -> list[str]:
+def build_quantity_palette() -> Texts:
     """Build the palette: colors from low to high, and one for unknown values."""
-    return [QColor(*map(int, row)).name() for row in color_maps.color_table(name, SHADE_COUNT, _DARK_MAP_FRACTION)] + [
-        _UNKNOWN_COLOR
-    ]
+    table = color_maps.color_table(_QUANTITY_MAP, SHADE_COUNT, _DARK_MAP_FRACTION)
+    return (*(QColor(*map(int, row)).name() for row in table), theme.UNKNOWN_COLOR)

@@ -96,7 +96,7 @@ def _pixel_sides(scene: Scene) -> tuple[float, ...]:
     return tuple(side / min(scene.volume.spacing) for side in scene.image.spacing)
 
 
-def inscribed_disks(path: Array, radii: Array, sides: Sides = (1.0, 1.0)) -> list[Array]:
+def inscribed_disks(path: Array, radii: Array, sides: Sides) -> list[Array]:
     """Return the outlines of inscribed disks along a branch, at least a radius apart.
 
     Parameters

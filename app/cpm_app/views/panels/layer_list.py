@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from PySide6.QtCore import QPoint, QSize, Qt, QTimer
+from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QVBoxLayout, QWidget
 
 from cpm_app.model.text.language import tr
@@ -12,7 +12,7 @@ from cpm_app.views.layers import Layers
 from cpm_app.views.layers.layer import Layer
 from cpm_app.views.layers.layer_form import LayerForm
 from cpm_app.views.theme.icons import create_swatch
-from cpm_app.views.widgets.actions import LAYER_ACTION_PREFIX, Actions, add_menu_action
+from cpm_app.views.widgets.actions import LAYER_ACTION_PREFIX, Actions
 from cpm_app.views.widgets.containers import FoldButton, VerticalScrollArea, fill_layout
 from cpm_app.views.widgets.fields import MarkedSlider
 
@@ -76,13 +76,8 @@ class LayerRow(QWidget):
         self.settings: QWidget | None = None
         head = fill_layout(QHBoxLayout(), self.fold, self.box, spacing=2, wide=self.box)
         self._column = fill_layout(QVBoxLayout(self), head, spacing=2)
-        add_menu_action(self, tr("Restore the &opacity"), partial(layer.set_opacity, 1.0))
         layer.changed.connect(self._on_layer_changed)
         self._on_layer_changed()
-
-    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """Return the layer. See `MenuOwner`."""
-        return f"{LAYER_ACTION_PREFIX}{self.layer.name}", point if point is not None else self.box.geometry().center()
 
     def _on_layer_changed(self) -> None:
         self.box.setChecked(self.layer.shown)

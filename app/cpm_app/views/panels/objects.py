@@ -8,13 +8,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QRectF, QSize, Qt, QTimer
+from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import (
     QColor,
     QGuiApplication,
     QKeyEvent,
-    QPainter,
-    QPaintEvent,
     QPalette,
     QShowEvent,
 )
@@ -24,7 +22,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QLineEdit,
     QMenu,
-    QSizePolicy,
     QToolButton,
     QVBoxLayout,
     QWidget,
@@ -37,7 +34,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE
 from cpm_app.session.features.object_commands import ObjectCommands, ObjectState
 from cpm_app.session.features.object_list import ObjectList
-from cpm_app.session.features.object_measures import ObjectFigures, gray_histogram
+from cpm_app.session.features.object_measures import ObjectFigures
 from cpm_app.session.features.object_rows import ItemKey, ObjectRow, RowKind
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
@@ -46,8 +43,7 @@ from cpm_app.views.theme.icons import create_swatch, fill_colors
 from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField, MarkedSlider
-from cpm_core import Image
-from cpm_core.numerics.types import Integers, Sides
+from cpm_core.numerics.types import Sides
 from cpm_core.objects.segmented import SegmentedObjects
 
 
@@ -208,54 +204,11 @@ class ObjectTable(ItemTable):
     def _get_cell_look(self, row: ObjectRow, role: int, of_name: bool) -> Any:
         """Return the swatch next to a name; hidden rows are pale."""
         if role == Role.DecorationRole and of_name:
-            return create_swatch(row_color(self._object_list, row))
+            proposed, objects = row.kind == "proposal", self._object_list.objects
+            return create_swatch(theme.PROPOSAL_COLOR if proposed else objects.color_of(row.item))
         if role == Role.ForegroundRole and row.item.hidden:
             return QColor(QGuiApplication.palette().color(QPalette.ColorRole.PlaceholderText))
         return None
-
-
-def row_color(object_list: ObjectList, row: ObjectRow) -> str:
-    """Return the color of a row: that of proposals, or of the object."""
-    return theme.PROPOSAL_COLOR if row.kind == "proposal" else object_list.objects.color_of(row.item)
-
-
-class GrayHistogram(QWidget):
-    """Gray values inside an object in front of those of the whole image, each scaled to its own maximum."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.setAccessibleName(tr("Gray values"))
-        self.setToolTip(tr("Gray values inside the object, in its color, and of the whole image, in gray."))
-        self._image: Image | None = None
-        self._whole: Integers = ()
-        self._counts: Integers = ()
-        self._color = ""
-
-    def show_counts(self, image: Image | None, counts: Integers, color: str) -> None:
-        """Show the histogram of an object, as numbers of pixels, in front of that of the image."""
-        if image is not self._image and image is not None:
-            self._whole = gray_histogram(image.values.ravel()[:: max(1, image.values.size >> 18)], image)
-        self._image, self._counts, self._color = image, counts, color
-        self.setVisible(bool(counts))
-        self.update()
-
-    def sizeHint(self) -> QSize:
-        """Return a low size."""
-        return QSize(120, 36)
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw both histograms as bars."""
-        painter = QPainter(self)
-        pale = QColor(self.palette().color(QPalette.ColorRole.PlaceholderText))
-        pale.setAlphaF(0.4)
-        for counts, color in ((self._whole, pale), (self._counts, QColor(self._color))):
-            bar_width, highest = self.width() / max(len(counts), 1), max((*counts, 1))
-            for place, count in enumerate(counts):
-                bar_height = self.height() * count / highest
-                top = self.height() - bar_height
-                painter.fillRect(QRectF(place * bar_width, top, bar_width - 1.0, bar_height), color)
-        painter.end()
 
 
 class ClassRow(QWidget):
@@ -321,13 +274,9 @@ class ObjectPanel(QWidget):
         self._object_brush = workspace.object_brush
         self.table = ObjectTable(workspace)
         self.setFocusProxy(self.table)
-        self.figures, self.histogram = create_wrapped_label(), GrayHistogram()
+        self.figures = create_wrapped_label()
         self.figures.setToolTip(CONFIDENCE_TIP)
         self.figures.setMinimumHeight(_FIGURE_LINES * self.figures.fontMetrics().lineSpacing())
-        for field in (self.figures, self.histogram):  # the table must not move under the pointer
-            policy = field.sizePolicy()
-            policy.setRetainSizeWhenHidden(True)
-            field.setSizePolicy(policy)
         self.classes: dict[int, ClassRow] = {}
         self._classes = QVBoxLayout()
         self._classes.setSpacing(0)
@@ -353,7 +302,7 @@ class ObjectPanel(QWidget):
         self.summary = create_wrapped_label(dim=True)
         row = fill_layout(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
         fade = fill_layout(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity, spacing=6, wide=self.opacity)
-        fill_layout(QVBoxLayout(self), self.figures, self.histogram, self._classes, *grid, fade, self.brush,
+        fill_layout(QVBoxLayout(self), self.figures, self._classes, *grid, fade, self.brush,
                     row, self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         self._update_timer = QTimer(
             self, singleShot=True, interval=0
@@ -369,10 +318,7 @@ class ObjectPanel(QWidget):
         if not self.isVisible():
             return
         row = self._shown_row
-        self.figures.setVisible(row is not None)
         self.figures.setText(self._describe_row(row) if row else "")
-        counts = row.figures.counts if row is not None and row.figures is not None else ()
-        self.histogram.show_counts(self._session.image, counts, row_color(self._object_list, row) if row else "")
         self.brush.show_value(self._object_brush.radius)
         chosen = self._object_list.selected_objects
         self.opacity.setEnabled(bool(chosen))

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import (
-    QApplication,
     QCheckBox,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QToolButton,
     QVBoxLayout,
-    QWhatsThis,
     QWidget,
 )
 
@@ -43,7 +41,7 @@ from cpm_app.model.text.language import localize_number, tr
 from cpm_app.model.text.wording import PARAMETER_FORMULAS
 from cpm_app.session.session import Session
 from cpm_app.views.theme.icons import load_icon
-from cpm_app.views.widgets.actions import ActionButton, add_menu_action
+from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import FoldableSection, create_dim_label, fill_layout
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
@@ -131,15 +129,6 @@ class ParameterRow(QWidget):
             )
         self._lay_out()
         self.set_control(control)
-        add_menu_action(self, tr("&Restore the default"), self._restore_default)
-        add_menu_action(
-            self, tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}")
-        )
-        add_menu_action(
-            self,
-            tr("&Explain"),
-            lambda: QWhatsThis.showText(self.mapToGlobal(QPoint(0, 0)), format_control_tip(self.control), self),
-        )
 
     def show_value(self, value: float | str) -> None:
         """Show a value or ``"auto"``."""
@@ -177,10 +166,6 @@ class ParameterRow(QWidget):
     def show_effect(self, words: str) -> None:
         """Show the effect of the current value below the slider."""
         self.effect.setText(words)
-
-    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """Return the parameter. See `MenuOwner`."""
-        return "parameter", point if point is not None else self.slider.geometry().center()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """End a change when the focus leaves, and restore the default on a double click on the name."""

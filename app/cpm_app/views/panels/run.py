@@ -178,7 +178,7 @@ class StatusPanel(QWidget):
         self.leading, self.others = NumberForm(), NumberForm()
         fill_layout(QVBoxLayout(self), self._label, self.leading, spacing=4)
 
-    def show_resolved(self, resolved: WindowTexts, frames_per_second: str) -> None:
+    def show_resolved(self, resolved: WindowTexts) -> None:
         """Show a state and its numbers."""
         if resolved.state != self.state:
             # the explanation after a colon is only in the tooltip
@@ -186,9 +186,7 @@ class StatusPanel(QWidget):
             self._label.setToolTip(resolved.state)
             self._label.setAccessibleName(resolved.state)
         self.leading.show_numbers([number for number in resolved.numbers if number[0] in LEADING_LABELS])
-        others = [number for number in resolved.numbers if number[0] not in LEADING_LABELS]
-        tip = tr("Drawn frames per second.")
-        self.others.show_numbers([*others, (tr("Frames/s"), frames_per_second, tip)])
+        self.others.show_numbers([number for number in resolved.numbers if number[0] not in LEADING_LABELS])
 
     @property
     def state(self) -> str:

@@ -327,11 +327,6 @@ class SortableTable(QTableView):
         """Return the index of a column."""
         return [known.name for known in self.rows.columns].index(column)
 
-    def column_texts(self, name: str) -> list[str]:
-        """Return the texts of a column, from top to bottom."""
-        number = self.column_index(name)
-        return [str(self.rows.index(row, number).data()) for row in range(len(self.rows.items))]
-
     def describe_cell(self, row: Any, column: Column[Any]) -> str:
         """Return title, text and unit of a cell; empty if it has no value."""
         text = column.format_cell(row, self.rows.factor)
@@ -570,11 +565,10 @@ class ItemTable(SortableTable):
             self.edit(index)
 
 
-def create_wide_button(text: str, do: Callback | None = None) -> QToolButton:
+def create_wide_button(text: str, do: Callback) -> QToolButton:
     """Create a button that fills the available width."""
     button = QToolButton()
     button.setText(text)
     button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-    if do is not None:
-        button.clicked.connect(lambda _=False: do())
+    button.clicked.connect(lambda _=False: do())
     return button

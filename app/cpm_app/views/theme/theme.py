@@ -88,8 +88,8 @@ PROPOSAL_COLOR = Ink("proposal", INK_PREFERENCES["proposal"].default)
 BY_HAND_COLOR = Ink("by_hand", INK_PREFERENCES["by_hand"].default)
 """Lines that are being drawn by hand."""
 
-JUNCTION_COLOR = "#ff7ac6"
-"""Junctions of contours."""
+UNKNOWN_COLOR = "#ff7ac6"
+"""Particles whose quantity is not known yet, in no color map; and friction."""
 
 DRAWING_COLOR = "#c9ced6"
 """Shapes that the user draws."""

@@ -58,7 +58,7 @@ class SpaceViewBuilder:
             self._parts.clear()
             return None
         get, layer, spacing = self._parts.get, layers.particles, image.spacing
-        size = 1.0 if snapshot is None else layer.diameter_factor(snapshot)
+        size = layer.diameter_factor(snapshot)
         inks = (
             get_canvas_style().resolve_color(theme.MOVING_COLOR),
             get_canvas_style().resolve_color(theme.RESTING_COLOR),
@@ -70,7 +70,7 @@ class SpaceViewBuilder:
             image,
             get(ShadedVolume, image.values, layers.image.shown_window),
             slices,
-            get(_build_particles, snapshot, size, layer.get_choice("colour"), layer.get_choice("map"), inks),
+            get(_build_particles, snapshot, size, layer.get_choice("colour"), inks),
             get(_build_surface_mesh, found),
             get(_build_wires, drawn, scene.selected_shape, image, scene.skeleton if layers["skeleton"].shown else None),
             layers.image.color_table,
@@ -103,15 +103,15 @@ def _fade_table(table: Pixels, opacity: float) -> Pixels:
 
 
 def _build_particles(
-    snapshot: Snapshot | None, size: float, quantity: str, map_name: str, inks: tuple[str, str]
+    snapshot: Snapshot | None, size: float, quantity: str, inks: tuple[str, str]
 ) -> ShownParticles | None:
-    if snapshot is None or size == 0.0:
+    if snapshot is None:
         return None
     palette: Sequence[str] = inks
     marks = snapshot.resting.astype(np.uint8)
     if quantity in QUANTITIES:
         marks, _ = color_particles(QUANTITIES[quantity], snapshot.state, snapshot.metrics)
-        palette = build_quantity_palette(map_name)
+        palette = build_quantity_palette()
     return ShownParticles(snapshot.position, np.array([*map(_to_rgb, palette)])[marks], size)
 
 

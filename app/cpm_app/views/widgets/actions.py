@@ -111,17 +111,13 @@ class ActionSpec:
 
 @frozen
 class Submenu:
-    """A submenu that `fill` fills whenever it opens; the other fields are those of `ActionSpec`.
-
-    It cannot be opened while `find_obstacle` returns a reason, which is its tip.
-    """
+    """A submenu that `fill` fills whenever it opens; the other fields are those of `ActionSpec`."""
 
     name: str
     menu: str
     text: str
     fill: Callable[[QMenu], None]
     gap: bool = False
-    find_obstacle: Callable[[], str] = lambda: ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "text", translate_core_text(self.text))

@@ -122,8 +122,8 @@ class Docks(QObject):
         self.reveal_panel(name)
         focus_and_reveal(find_focus_target(self._panels[name].widget))
 
-    def focus_next_area(self, by: int = 1) -> None:
-        """Move the keyboard focus to the next visible area, or to the previous one for -1."""
+    def focus_next_area(self, by: int) -> None:
+        """Move the keyboard focus to the next visible area for 1, or to the previous one for -1."""
         visible = {name: panel.widget for name, panel in self._panels.items() if panel.widget.isVisible()}
         areas, focused = ["", *visible], QApplication.focusWidget()
         here = next((name for name, widget in visible.items() if focused and widget.isAncestorOf(focused)), "")

@@ -34,13 +34,6 @@ def refill_submenu(menu: QMenu, spec: Submenu) -> None:
     spec.fill(menu)
 
 
-def _show_obstacle(menu: QMenu, spec: Submenu) -> None:
-    """Disable a submenu that cannot be opened, and say why."""
-    obstacle = spec.find_obstacle()
-    menu.menuAction().setEnabled(not obstacle)
-    menu.menuAction().setToolTip(obstacle)
-
-
 class Menus:
     """Menus of a window, created from specifications and their actions."""
 
@@ -58,8 +51,6 @@ class Menus:
                 inner = menu.addMenu(spec.text)
                 inner.setToolTipsVisible(True)
                 inner.aboutToShow.connect(partial(refill_submenu, inner, spec))
-                menu.aboutToShow.connect(partial(_show_obstacle, inner, spec))
-                menu.setToolTipsVisible(True)
             else:
                 menu.addAction(actions[spec.name])
 
@@ -80,17 +71,13 @@ CONTEXT_MENU_ACTIONS: Mapping[str, Texts] = {
     "shape": ("enlarge", "shrink", "delete", "", *_RUN_MENU_ACTIONS),
     "charge": ("enlarge", "shrink", "delete", "", "layer_potential", "layer_field"),
     "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects",
-               "objects_alike", "change_object", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
+               "objects_alike", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
                "delete_object"),
     "step": ("timeline_rename", "timeline_parameters", "timeline_delete", "", "export"),
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
               "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export"),
-    "parameter": (),
 }  # fmt: skip
-"""Names of the actions and submenus for each kind of item; an empty name is a separator.
-
-An action that is not listed here is a menu of its own.
-"""
+"""Names of the actions and submenus for each kind of item; an empty name is a separator."""
 
 
 class ContextMenus(QObject):
@@ -139,7 +126,7 @@ class ContextMenus(QObject):
         own = owner.actions() if item else self._general
         menu.addActions(list(own))
         menu.addSeparator()
-        for name in CONTEXT_MENU_ACTIONS.get(item, (item,)):
+        for name in CONTEXT_MENU_ACTIONS.get(item, ()):
             if name in self._actions:
                 menu.addAction(self._actions[name])
             elif name in self._submenus:

@@ -109,8 +109,8 @@ class MainWindow(QMainWindow):
         Session and features; closed together with the window.
     features : sequence of Feature
         Classes of the features, in the order of their actions in the menus.
-    preferences : Preferences, optional
-        Settings that are stored between sessions.
+    preferences : Preferences or None
+        Settings that are stored between sessions; None for those of the user.
     """
 
     files_wanted = Signal(list, bool)
@@ -123,7 +123,7 @@ class MainWindow(QMainWindow):
     """URLs of files were dropped on the window with Shift."""
 
     def __init__(
-        self, workspace: Workspace, features: Sequence[type[Feature]], preferences: Preferences | None = None
+        self, workspace: Workspace, features: Sequence[type[Feature]], preferences: Preferences | None
     ) -> None:
         super().__init__()
         self.workspace = workspace

@@ -18,6 +18,7 @@ import cpm_core as cpm
 from cpm_core.cli import main
 from cpm_core.shapes import Everywhere
 from tests.app.exporting import export
+from tests.app.reading import column_texts
 
 pytestmark = pytest.mark.shared_window
 
@@ -159,11 +160,11 @@ def test_a_division_is_reported_with_its_page_and_the_table_and_files_hold_the_n
     assert "Page 3: track 2 splits off track 1." in window.canvas_area.messages.text
     hand.key(KEY.Key_F11, Qt.KeyboardModifier.ShiftModifier)
     table = window.get_feature(PagesFeature).panel.table
-    assert sorted(zip(table.column_texts("page"), table.column_texts("track"), strict=True)) == [
+    assert sorted(zip(column_texts(table, "page"), column_texts(table, "track"), strict=True)) == [
         ("1", "1"), ("2", "1"), ("3", "1"), ("3", "2"), ("4", "1"), ("4", "2")]  # fmt: skip
-    assert "splits off track 1" in table.column_texts("happens")
-    assert all(float(gray) == pytest.approx(190.0, abs=20.0) for gray in table.column_texts("gray")), (
-        table.column_texts("gray")
+    assert "splits off track 1" in column_texts(table, "happens")
+    assert all(float(gray) == pytest.approx(190.0, abs=20.0) for gray in column_texts(table, "gray")), column_texts(
+        table, "gray"
     )
     labels, rows = export(hand.qtbot, window, tmp_path, "pages:.tif", "pages:.measures.csv")
     hand.wait(lambda: labels.exists() and rows.exists())
@@ -180,7 +181,7 @@ def test_a_click_in_the_table_or_in_the_plot_goes_to_the_page_and_selected_objec
     table, chart = panel.table, panel.chart
     hand.wait(lambda: table.model().rowCount() == 6 and bool(chart._items))
     assert len(chart._curves) == 4
-    row = table.column_texts("page").index("3") + 1
+    row = column_texts(table, "page").index("3") + 1
     hand.qtbot.mouseClick(table.viewport(), LEFT, pos=table.visualRect(table.model().index(row, 0)).center())
     hand.wait(lambda: window.workspace.pages.number == 3 and window.workspace.object_list.selected_numbers == {2})
     settled(window, hand)
@@ -201,7 +202,7 @@ def test_a_page_lists_the_contours_of_its_run_until_it_has_objects(stack, hand):
     window.session.run()
     hand.wait_for_phase("finished")
     settled(window, hand)
-    assert panel.table.column_texts("kind") == ["closed", "closed"]
+    assert column_texts(panel.table, "kind") == ["closed", "closed"]
     assert not any(row.is_object for row in panel.table.rows.items)
     hand.click(*MOVING[0][0][:2])
     hand.canvas.setFocus()

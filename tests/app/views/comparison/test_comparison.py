@@ -13,6 +13,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from tests.app.conftest import disc
+from tests.app.reading import column_texts
 
 pytestmark = pytest.mark.shared_window
 
@@ -32,12 +33,12 @@ def test_runs_and_objects_are_measured_by_a_truth_and_exported(ready, hand, tmp_
     hand.qtbot.mouseClick(panel.load, LEFT)
     hand.wait(lambda: compared.agreements.keys() == {CURRENT_KEY})
     table = panel.table
-    names = table.column_texts("name")
+    names = column_texts(table, "name")
     assert names == ["Shown now", "Run 1", "mask.png"]
     hand.qtbot.mouseClick(table.viewport(), LEFT, pos=table.visualRect(table.model().index(1, 0)).center())
     run = compared.selected
     hand.wait(lambda: compared.agreements.keys() == {CURRENT_KEY, run})
-    for key, dice in zip((CURRENT_KEY, run), table.column_texts("dice"), strict=False):
+    for key, dice in zip((CURRENT_KEY, run), column_texts(table, "dice"), strict=False):
         assert compared.agreements[key].dice > 0.97
         assert dice == f"{compared.agreements[key].dice:.3f}"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "a.csv"), ""))
@@ -50,5 +51,5 @@ def test_runs_and_objects_are_measured_by_a_truth_and_exported(ready, hand, tmp_
     compared.select_row(TRUTH_KEY)
     table.setFocus()
     hand.key(KEY.Key_Delete)
-    hand.wait(lambda: table.column_texts("name") == ["Shown now", "Run 1"])
+    hand.wait(lambda: column_texts(table, "name") == ["Shown now", "Run 1"])
     assert compared.truth_file is None

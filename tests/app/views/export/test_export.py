@@ -30,6 +30,7 @@ from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
 from tests.app.exporting import asked, check, export, offered, order
+from tests.app.reading import treat_as_saved
 
 pytestmark = pytest.mark.shared_window
 
@@ -247,7 +248,7 @@ def test_the_choice_is_kept_and_repeated_without_a_dialog_for_another_image(two,
     items = two.session.document.objects
     copy = image_file.with_name("second.npy")
     copy.write_bytes(image_file.read_bytes())
-    two.document_file.treat_as_saved()
+    treat_as_saved(two)
     two.open_image(copy)
     hand.wait(lambda: two.session.document.image.name == copy.name and two.session.idle)
     two.session.edit("take", lambda document: replace(document, objects=items))

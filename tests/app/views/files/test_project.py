@@ -21,6 +21,7 @@ from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Circle, Everywhere
 from tests.app.conftest import disc
+from tests.app.reading import column_texts
 
 pytestmark = pytest.mark.shared_window
 
@@ -52,7 +53,7 @@ def name(window: MainWindow) -> str:
 
 def table(window: MainWindow) -> list[tuple[str, str, str]]:
     shown = window.get_feature(ProjectFeature).panel.table
-    return list(zip(*(shown.column_texts(column) for column in ("image", "state", "objects")), strict=True))
+    return list(zip(*(column_texts(shown, column) for column in ("image", "state", "objects")), strict=True))
 
 
 def wait_for(window: MainWindow, hand, expected: str) -> None:

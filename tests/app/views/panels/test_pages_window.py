@@ -20,6 +20,7 @@ from cpm_core import Page, Parameters
 from cpm_core.shapes import Circle, Everywhere, Polygon, PolygonRegion
 from tests.app.conftest import disc
 from tests.app.exporting import asked, export
+from tests.app.reading import column_texts
 
 pytestmark = pytest.mark.shared_window
 
@@ -157,13 +158,13 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
     feature = stack.get_feature(PagesFeature)
     hand.key(Qt.Key.Key_F11, Qt.KeyboardModifier.ShiftModifier)
     table = feature.panel.table
-    assert table.column_texts("page") == ["1", "2", "3", "4", "5"]
-    assert table.column_texts("track") == ["1", "1", "1", "–", "1"]
-    assert "constant" in table.column_texts("happens")[3]
-    assert [float(area) for area in table.column_texts("area") if area != "–"] == pytest.approx(
+    assert column_texts(table, "page") == ["1", "2", "3", "4", "5"]
+    assert column_texts(table, "track") == ["1", "1", "1", "–", "1"]
+    assert "constant" in column_texts(table, "happens")[3]
+    assert [float(area) for area in column_texts(table, "area") if area != "–"] == pytest.approx(
         [np.pi * 81] * 4, rel=0.05
     )
-    columns = [float(col) for col in table.column_texts("col") if col != "–"]
+    columns = [float(col) for col in column_texts(table, "col") if col != "–"]
     np.testing.assert_allclose(np.diff(columns), [5, 5, 5], atol=0.3)
     assert "4 of 5 pages finished; tracks: 1. 1 could not be used." in feature.panel.summary.text()
     assert "Objects on them, each counted once: 1." in feature.panel.summary.text()

@@ -22,6 +22,7 @@ from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import truth_from_contours
 from tests.app.conftest import Hand, disc
+from tests.app.reading import column_texts
 
 pytestmark = pytest.mark.shared_window
 
@@ -66,7 +67,7 @@ def figure(window: MainWindow, name: str) -> float:
     """A figure in the row of what is shown now."""
     table = window.panels["compare"].table
     table.setColumnHidden(table.column_index(name), False)
-    return float(table.column_texts(name)[table.column_texts("name").index("Shown now")])
+    return float(column_texts(table, name)[column_texts(table, "name").index("Shown now")])
 
 
 def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) -> None:
@@ -74,7 +75,7 @@ def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) 
     assert figure(compared, "dice") == pytest.approx(common / area, abs=0.02)
     assert figure(compared, "jaccard") == pytest.approx(common / (2 * area - common), abs=0.03)
     assert figure(compared, "largest") == pytest.approx(SHIFT, abs=0.8)
-    assert compared.panels["compare"].table.column_texts("name") == ["Shown now", "Run 1", "mask.npy"]
+    assert column_texts(compared.panels["compare"].table, "name") == ["Shown now", "Run 1", "mask.npy"]
     assert compared.panels["compare"].isVisible()
 
 
@@ -154,7 +155,7 @@ def test_a_new_image_has_nothing_to_compare_with(compared, hand, tmp_path) -> No
     hand.wait(lambda: compared.session.document.image.name == "other.npy")
     assert compared.session.scene.truth is None
     assert hand.canvas.layers["truth"].counts == (0, 0, 0)
-    hand.wait(lambda: compared.panels["compare"].table.column_texts("dice") == ["–"])
+    hand.wait(lambda: column_texts(compared.panels["compare"].table, "dice") == ["–"])
 
 
 def test_a_session_with_a_truth_has_the_tab_for_it_when_it_is_opened_again(compared, hand, tmp_path) -> None:

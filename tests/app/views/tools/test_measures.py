@@ -14,6 +14,7 @@ from PySide6.QtCore import Qt
 
 from cpm_core.shapes import Angle, Oval, Ruler
 from tests.app.exporting import export
+from tests.app.reading import column_texts
 from tests.app.views.tools.test_tools_drawn import drag_with
 
 pytestmark = pytest.mark.shared_window
@@ -116,15 +117,15 @@ def test_the_table_lists_and_selects_measures_and_is_there_while_there_are_any(w
     draw_all(hand)
     assert tabs.isTabVisible(tabs.indexOf(table))
     window.docks.reveal_panel("measures")
-    hand.wait(lambda: table.column_texts("name") == ["ruler", "angle", "measuring ellipse"])
-    assert float(table.column_texts("length")[0]) == pytest.approx(50.0, abs=1.0)
+    hand.wait(lambda: column_texts(table, "name") == ["ruler", "angle", "measuring ellipse"])
+    assert float(column_texts(table, "length")[0]) == pytest.approx(50.0, abs=1.0)
     assert table.rows.headerData(table.column_index("length"), Qt.Orientation.Horizontal) == "Length [px]"
-    assert table.column_texts("mean") == ["–", "–", "200.0"]
+    assert column_texts(table, "mean") == ["–", "–", "200.0"]
     place = table.visualRect(table.rows.index(1, 0)).center()
     hand.qtbot.mouseClick(table.viewport(), Qt.MouseButton.LeftButton, pos=place)
     assert window.session.selected_shape == 1
     hand.qtbot.keyClick(table, KEY.Key_Delete)
-    hand.wait(lambda: table.column_texts("name") == ["ruler", "measuring ellipse"])
+    hand.wait(lambda: column_texts(table, "name") == ["ruler", "measuring ellipse"])
     for key in (KEY.Key_S, KEY.Key_V):
         hand.canvas.setFocus()
         hand.key(key)

@@ -10,6 +10,7 @@ from cpm_app.views.features.volumes import SlicesFeature
 from PySide6.QtCore import Qt
 
 from cpm_core.formats import load_session
+from tests.app.reading import column_texts
 from tests.app.views.volume.conftest import drag
 
 pytestmark = pytest.mark.shared_window
@@ -40,7 +41,7 @@ def test_measures_lie_in_the_slices_of_volumes_and_are_seen_in_space(volume, han
     assert view.layers.measures.labels.texts == []
     volume.docks.reveal_panel("measures")
     table = volume.get_feature(MeasuresFeature).table
-    hand.wait(lambda: table.column_texts("name") == ["measuring ellipse", "ruler"])
+    hand.wait(lambda: column_texts(table, "name") == ["measuring ellipse", "ruler"])
     hand.qtbot.mouseClick(
         table.viewport(), Qt.MouseButton.LeftButton, pos=table.visualRect(table.rows.index(1, 0)).center()
     )

@@ -19,6 +19,7 @@ from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.shapes import EnclosedRegion
 from tests.app.conftest import Hand
 from tests.app.exporting import export
+from tests.app.reading import treat_as_saved
 from tests.app.views.volume.conftest import SHAPE, Button
 
 pytestmark = pytest.mark.shared_window
@@ -203,7 +204,7 @@ def test_objects_come_back_with_a_session(found, hand, tmp_path) -> None:
     path = tmp_path / "balls.cpm"
     assert file.save_and_wait(path)
     found.session.edit("delete", lambda document: type(document)(document.image))
-    file.treat_as_saved()
+    treat_as_saved(found)
     open_file_again(found, hand, path)
     assert items(found) == before
     for one, other in zip(items(found), before, strict=True):

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QFileDialog
 
 from cpm_core.contours.agreement import DEFAULT_TOLERANCE
 from tests.app.conftest import Hand
+from tests.app.reading import column_texts
 from tests.app.views.volume.conftest import SHAPE, ball
 
 pytestmark = pytest.mark.shared_window
@@ -59,7 +60,7 @@ def test_overlap_and_distances_are_those_of_geometry(compared) -> None:
     assert agreed.hausdorff > 10.0  # the ball in the corner is missed
     assert (agreed.objects.found, agreed.objects.missed) == (1, 1)
     assert panel.summary.text().endswith(" voxels.")
-    assert panel.table.column_texts("name") == ["Shown now", "Run 1", "labels.npy"]
+    assert column_texts(panel.table, "name") == ["Shown now", "Run 1", "labels.npy"]
     assert not panel.holes.isVisible()
 
 
