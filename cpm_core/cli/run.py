@@ -332,8 +332,10 @@ def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: flo
         counts = {"holes": sum(contour.hole for contour in one.contours), "gaps": len(one.gaps)}
         facts.setdefault("objects", []).append({name: round(value, 4) for name, value in on_object.items()} | counts)
         if number <= _MAX_PRINTED_OBJECTS:
+            title = f"Object {number}" if len(chosen) > 1 else "Object"
             lines.append(
-                "Object: area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, "
+                f"{title}: "
+                "area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, "
                 "confidence {share:.0f} %".format(share=100.0 * one.confidence, **on_object)
             )
     if len(chosen) > _MAX_PRINTED_OBJECTS:
