@@ -370,6 +370,8 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
     """Raise ValueError for what does not work on the pages of a stack."""
     if arguments.object and not arguments.follow:
         raise ValueError("--object is on the first of the pages: add --follow, which finds the object on the others.")
+    if arguments.objects:
+        refuse_options(arguments, ("object",), "one object, but --objects finds those of each page")
     alone = ("and", "larger", "pick", "page", "truth", "save_session", "method")
     refuse_options(arguments, alone, "one image, but --pages runs several")
     for target in arguments.export:
@@ -379,21 +381,8 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
 
 def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Parameters, is_volume: bool) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
-    drawn = (
-        "circle",
-        "polygon",
-        "stroke",
-        "points",
-        "sphere",
-        "start",
-        "region",
-        "barrier",
-        "charge",
-        "object",
-        "not",
-        "pick",
-    )
-    other = ("session", "pages", "truth", *SURFACE_FIELDS, "save_session", "method")
+    drawn = ("circle", "polygon", "stroke", "points", "sphere", "start", "region", "barrier", "charge")
+    other = ("object", "not", "pick", "session", "pages", "truth", *SURFACE_FIELDS, "save_session", "method")
     refuse_options(arguments, (*drawn, *other), "an image that is run in one piece")
     if arguments.auto not in CHUNKED_START_KINDS:
         raise ValueError(
