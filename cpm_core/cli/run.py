@@ -213,7 +213,7 @@ def _run_image(request: RunRequest) -> int:
             raise ValueError(f"--object is {at} but lies outside the image, which has {format_size(image.shape)}.")
     started = time.perf_counter()
     shapes = request.collect_shapes(image)
-    ensure_compiled()
+    ensure_compiled(volume=request.is_volume)
     recorder = RunRecorder()
     with StatusLine() as line:
 
