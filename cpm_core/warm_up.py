@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,9 @@ from cpm_core.model.coverage import no_coverage
 from cpm_core.model.plane import motion
 from cpm_core.model.plane.repulsion import mesh_force
 from cpm_core.model.starts import circle
+from cpm_core.model.volume import motion as volume_motion
 from cpm_core.model.volume.starts import sphere
+from cpm_core.numerics.jit import tell_compiled
 from cpm_core.numerics.types import Callback
 from cpm_core.objects.boundaries.crossings import find_crossings
 from cpm_core.objects.boundaries.snapping import snap_to_contours
@@ -118,13 +121,16 @@ def _contours() -> Result:
 Part = Callback
 
 FIRST: tuple[Part, ...] = (step_once, contours_once)
-"""What a first run on an image needs."""
+"""What a first run on an image needs, what it begins with first."""
 
 LATER: tuple[Part, ...] = (objects_once, large_once, extras_once)
 """All else that is done with images."""
 
 VOLUMES: tuple[Part, ...] = (volume_once,)
 """What a run in a volume needs."""
+
+_KERNELS: Mapping[Part, int] = {step_once: 14, contours_once: 6, volume_once: 16}
+"""Number of kernels that a part compiles, for the share that is done."""
 
 
 def _never() -> bool:
@@ -138,22 +144,26 @@ def warm_up(
 ) -> None:
     """Call every kernel of some parts once on small images; this may happen in a background thread.
 
-    The first time this compiles the kernels and stores them in Numba's cache; later it loads them. While it compiles,
-    `on_progress` is called with the fraction that is done. No part begins once `canceled()` is true.
+    The first time this compiles the kernels and stores them in Numba's cache; later it loads them. After each that is
+    compiled `on_progress` is called with the fraction that is done. No part begins once `canceled()` is true.
     """
-    compiling = not is_compiled()
-    for done, part in enumerate(parts):
-        if canceled():
-            return
-        if compiling and on_progress is not None:
-            on_progress(done / len(parts))
-        part()
+    whole, counted = sum(_KERNELS.get(part, 0) for part in parts), count(1)
+
+    def tell() -> None:
+        if on_progress is not None:
+            on_progress(min(next(counted) / max(whole, 1), 1.0))
+
+    with tell_compiled(tell):
+        for part in parts:
+            if not canceled():
+                part()
 
 
 def warm_up_runs(canceled: Callable[[], bool], on_progress: Callable[[float], object]) -> None:
-    """Prepare what a run on an image needs; a thread prepares the rest while the program is used."""
-    warm_up(canceled, on_progress, FIRST)
-    threading.Thread(target=warm_up, args=(canceled,), kwargs={"parts": LATER}, name="cpm-compile").start()
+    """Prepare what a run on an image begins with; a thread prepares the rest while the program is used."""
+    begin, *others = FIRST
+    warm_up(canceled, on_progress, (begin,))
+    threading.Thread(target=warm_up, args=(canceled,), kwargs={"parts": (*others, *LATER)}, name="cpm-compile").start()
 
 
 def warm_up_volumes(
@@ -163,8 +173,8 @@ def warm_up_volumes(
     warm_up(canceled, on_progress, VOLUMES)
 
 
-def is_compiled() -> bool:
-    """Whether the kernels of a run are in Numba's cache, so that nothing has to be compiled."""
-    kernel: Any = motion._move_sorted
+def is_compiled(*, volume: bool = False) -> bool:
+    """Whether the kernels of a run, on an image or in a volume, are in Numba's cache and need not be compiled."""
+    kernel: Any = volume_motion._move_turn if volume else motion._move_sorted
     folder = kernel.stats.cache_path
     return folder is not None and any(Path(folder).glob(f"*.{kernel.__name__}-*.nbi"))

@@ -19,7 +19,7 @@ from cpm_core.image.geometry import CONVENTIONS
 from cpm_core.numerics.types import JsonDict
 from cpm_core.parameters import AUTOMATIC_PARAMETERS, PARAMETERS, PRESETS, ParameterInfo, Parameters
 from cpm_core.parameters.choices import CHOICE_PARAMETERS
-from cpm_core.parameters.formatting import quote_value
+from cpm_core.parameters.formatting import format_count, quote_value
 
 _PARAMETER_NAMES = (*PARAMETERS, *CHOICE_PARAMETERS)
 """Names of all parameters."""
@@ -64,6 +64,25 @@ def parse_number_list(flag: str, text: str, form: str, *, is_xy: bool = False) -
     if not numbers or not fits or not np.isfinite(numbers).all():
         raise ValueError(f"{flag} is {quote_value(text)} but must be numbers between commas, {form}.")
     return _reverse_places(numbers, axes) if is_xy else numbers
+
+
+def parse_number_ranges(flag: str, text: str, count: int, what: str, owner: str) -> list[int]:
+    """Parse numbers of what an owner has, from 1 to a count: all, or numbers and ranges between commas."""
+    if text == "all":
+        return list(range(1, count + 1))
+    numbers: list[int] = []
+    for part in text.replace(" ", "").split(","):
+        ends = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?", part)
+        if ends is None:
+            raise ValueError(f"{flag} is {quote_value(text)} but must be all, or numbers and ranges such as 1,3,5-9.")
+        first, last = int(ends[1]), int(ends[2] or ends[1])
+        outside = next((number for number in (first, last) if not 1 <= number <= count), None)
+        if outside is not None:
+            raise ValueError(f"{flag} names {what} {outside}, but {owner} has {format_count(count, what)}.")
+        numbers += range(first, last + 1) if first <= last else range(first, last - 1, -1)
+    if len(set(numbers)) < len(numbers):
+        raise ValueError(f"{flag} is {quote_value(text)} but lists a {what} twice: list each once.")
+    return numbers
 
 
 def _reverse_places(numbers: tuple[float, ...], axes: int) -> tuple[float, ...]:

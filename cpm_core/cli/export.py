@@ -161,7 +161,7 @@ def _load_session_result(source: Path, arguments: argparse.Namespace) -> tuple[R
 
 def _restore_or_run(session: SessionFile, parameters: Parameters, image: Image, source: Path) -> Result:
     """Restore the result of the state that a session shows, or else run it to its end."""
-    ensure_compiled()
+    ensure_compiled(volume=image.ndim == 3)
     kept = restore_shown_state(replace(session, parameters=parameters), image)
     if kept is not None:
         state, made_with = kept

@@ -25,7 +25,7 @@ from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonObject
 from cpm_core.parameters.formatting import format_count
 from cpm_core.results.result import Result
-from cpm_core.warm_up import FIRST, is_compiled, warm_up
+from cpm_core.warm_up import FIRST, VOLUMES, is_compiled, warm_up
 
 SCHEMA_VERSION = 1
 """Version of the schema of all JSON objects."""
@@ -140,12 +140,13 @@ class StatusLine:
         print_message(message)
 
 
-def ensure_compiled() -> None:
-    """Compile the kernels of a run in advance if necessary, and tell the user."""
-    if not is_compiled():
+def ensure_compiled(*, volume: bool = False) -> None:
+    """Compile the kernels of a run, on an image or in a volume, in advance if necessary, and tell the user."""
+    if not is_compiled(volume=volume):
         print_note("the inner loops are compiled for this computer, once; the run begins in ten to twenty seconds.")
         with StatusLine() as line:
-            warm_up(on_progress=lambda done: line.show_text(f"compiling: {done:.0%}"), parts=FIRST)
+            parts = VOLUMES if volume else FIRST
+            warm_up(on_progress=lambda done: line.show_text(f"compiling: {done:.0%}"), parts=parts)
 
 
 class OutputFiles:

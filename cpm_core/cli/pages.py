@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
 import time
 from contextlib import suppress
 
+from cpm_core.cli.arguments import parse_number_ranges
 from cpm_core.cli.inputs import list_image_notes
 from cpm_core.cli.output import (
     EXIT_IN_PART,
@@ -27,7 +27,7 @@ from cpm_core.objects.segmented import collect_points
 from cpm_core.pages.follow import follow_pages, limit_scales
 from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
-from cpm_core.parameters.formatting import format_count, quote_value
+from cpm_core.parameters.formatting import format_count
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 from cpm_core.shapes.document_shapes import collect_charges, collect_regions, compute_seeds
@@ -37,7 +37,7 @@ def run_pages(request: RunRequest) -> int:
     """Run the pages, and write what is found on all of them; after Ctrl+C, what has been done is written."""
     assert request.pages is not None
     pages, parameters = load_pages(request.path, **request.part), request.parameters
-    numbers = parse_page_numbers(request.pages, len(pages), pages.name)
+    numbers = parse_number_ranges("--pages", request.pages, len(pages), "page", pages.name)
     shapes = (*request.session.shapes, *request.drawn)
     with suppress(ValueError):  # which is reported when the page is run
         print_notes(pages.name, list_image_notes(pages[numbers[0] - 1], parameters))
@@ -87,25 +87,6 @@ def run_pages(request: RunRequest) -> int:
         raise KeyboardInterrupt(f"{done}; --pages runs the others")
     status = _print_page_report(request.as_json, whole, files, time.perf_counter() - began)
     return status or (EXIT_IN_PART if len(whole.results) < len(found) else 0)
-
-
-def parse_page_numbers(text: str, count: int, name: str) -> list[int]:
-    """Parse page numbers: all, or numbers and ranges between commas; ValueError for other text."""
-    if text == "all":
-        return list(range(1, count + 1))
-    numbers: list[int] = []
-    for part in text.replace(" ", "").split(","):
-        ends = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?", part)
-        if ends is None:
-            raise ValueError(f"--pages is {quote_value(text)} but must be all, or numbers and ranges such as 1,3,5-9.")
-        first, last = int(ends[1]), int(ends[2] or ends[1])
-        outside = next((page for page in (first, last) if not 1 <= page <= count), None)
-        if outside is not None:
-            raise ValueError(f"--pages names page {outside}, but {name} has {format_count(count, 'page')}.")
-        numbers += range(first, last + 1) if first <= last else range(first, last - 1, -1)
-    if len(set(numbers)) < len(numbers):
-        raise ValueError(f"--pages is {quote_value(text)} but lists a page twice: list each once.")
-    return numbers
 
 
 def _print_page_report(as_json: bool, found: StackResult, files: OutputFiles, seconds: float) -> int:

@@ -16,6 +16,7 @@ from cpm_core.cli.arguments import (
     SURFACE_OPTIONS,
     add_options,
     add_parameter_options,
+    parse_number_ranges,
 )
 from cpm_core.cli.inputs import (
     fit_parameters,
@@ -60,13 +61,14 @@ from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects import Selection
 from cpm_core.objects.segmented import select_by_clicks
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import PRESETS, Parameters, Provenance
 from cpm_core.parameters.formatting import format_count, format_size
-from cpm_core.results import FoundObjects, replace_by_objects
+from cpm_core.results import FoundObjects, boundaries_result, replace_by_objects
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import find_seeded_methods
 from cpm_core.segmentation.select import partition
 from cpm_core.shapes import SEEDING_KINDS
+from cpm_core.shapes.document_shapes import collect_regions, select_starts
 
 _CLOSE_ADVICE = "Name an object by --object ROW,COL, whose boundary is closed."
 """Advice where a format that cannot hold open contours is not written."""
@@ -121,13 +123,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("--charge", "ROW,COL,STRENGTH", "Place a charge, which attracts particles above 0 and repels them below."),
     ):  # fmt: skip
         place.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
-    named = parser.add_argument_group("objects", "Written instead of contours; they begin everywhere by default.")
+    named = parser.add_argument_group(
+        "objects",
+        "Written instead of contours. Particles start everywhere by default; places in a volume need no particles.",
+    )
     for flag, meaning in (
         ("--object", "Select the object at a place, in px; its boundary is closed. Repeated, it adds to the object, as "
          "clicks do in the window. With --pages it is on the first of them, and --follow finds it on the others."),
         ("--not", "Leave this place out of the object."),
     ):  # fmt: skip
         named.add_argument(flag, metavar="ROW,COL", action=_ClickAction, default=[], help=meaning)
+    named.add_argument(
+        "--larger",
+        metavar="N",
+        action=_ClickAction,
+        default=[],
+        help="After a place take the candidate N sizes larger, or with -N smaller, as ] and [ do in the window.",
+    )
     named.add_argument("--and", nargs=0, action=_ClickAction, default=[], help="Select another object from here on.")
     named.add_argument(
         "--model",
@@ -140,7 +152,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--objects",
         action="store_true",
         help="Find the objects that the run proposes, as the window does. From everywhere these are all of the image, "
-        "else the one of each start.",
+        "else the one of each start. --object adds others.",
+    )
+    named.add_argument(
+        "--pick", metavar="N-M,...", help="Take these of the objects that the run proposes, the best of which is 1."
     )
     parameters = parser.add_argument_group(
         "parameters", "Defaults are those of the publication; a preset, a session and a volume have their own."
@@ -169,7 +184,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 class _ClickAction(argparse.Action):
-    """Collect places in the order in which they are given: inside and outside an object, and where another begins."""
+    """Collect in their order: places inside and outside an object, sizes of its candidates, where another begins."""
 
     def __call__(self, _: object, namespace: argparse.Namespace, values: Any, __: str | None = None) -> None:
         setattr(namespace, self.dest, [*getattr(namespace, self.dest), values])
@@ -198,7 +213,7 @@ def _run_image(request: RunRequest) -> int:
             raise ValueError(f"--object is {at} but lies outside the image, which has {format_size(image.shape)}.")
     started = time.perf_counter()
     shapes = request.collect_shapes(image)
-    ensure_compiled()
+    ensure_compiled(volume=request.is_volume)
     recorder = RunRecorder()
     with StatusLine() as line:
 
@@ -206,15 +221,27 @@ def _run_image(request: RunRequest) -> int:
             recorder(state)
             line.show_state(state)
 
-        found = segment_shapes(
-            image,
-            shapes,
-            parameters,
-            session,
-            max_steps=request.max_steps,
-            progress=record_state,
-            regions=request.volume_regions,
-        )
+        regions = request.volume_regions
+        if select_starts(shapes):
+            found = segment_shapes(
+                image,
+                shapes,
+                parameters,
+                session,
+                max_steps=request.max_steps,
+                progress=record_state,
+                regions=regions,
+            )
+        else:  # places in a volume
+            found = boundaries_result(
+                image.shape,
+                image.source,
+                image.spacing,
+                image.unit,
+                image=image,
+                regions=regions or collect_regions(shapes, session.objects.barriers),
+                provenance=Provenance("objects", sha256=image.sha256, of_file=bool(image.file_sha256)),
+            )
     result = record_drawn_shapes(found, request.collect_drawn_shapes(image), request.describe_start_files())
     chosen = _select_objects(result, request)
     shown = result if chosen is None else replace_by_objects(result, chosen, session.objects)
@@ -259,18 +286,22 @@ def _is_plane_of_volume(request: RunRequest) -> bool:
 
 
 def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:
-    """Select the objects of a run, or those of clicks; None where contours or a surface are wanted."""
-    if request.all_objects:
-        return result.objects
-    if not request.clicked:
+    """Select the objects of a run, and those of clicks; None where contours or a surface are wanted."""
+    if not (request.all_objects or request.clicked):
         return None
-    chosen = select_by_clicks(partition(result, model=request.model), request.clicked)
+    proposed = result.objects if request.all_objects else ()
+    if request.picked is not None:
+        numbers = parse_number_ranges("--pick", request.picked, len(proposed), "object", "the run")
+        proposed = tuple(proposed[number - 1] for number in numbers)
+    if not request.clicked:
+        return proposed
+    chosen = select_by_clicks(partition(result, model=request.model), request.clicked, proposed)
     for one in chosen:
-        if len(one.shape) == 3 and ((one.prediction is not None and not one.model) or not one.has_boundary):
+        if result.surface is not None and ((one.prediction is not None and not one.model) or not one.has_boundary):
             raise ValueError("There is no object at this position: name one that the surface encloses.")
         if not one.has_boundary:
             raise ValueError("There is no object at this position: name another one inside it.")
-    return chosen
+    return (*proposed, *chosen)
 
 
 def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[JsonDict, list[str]]:
@@ -301,8 +332,10 @@ def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: flo
         counts = {"holes": sum(contour.hole for contour in one.contours), "gaps": len(one.gaps)}
         facts.setdefault("objects", []).append({name: round(value, 4) for name, value in on_object.items()} | counts)
         if number <= _MAX_PRINTED_OBJECTS:
+            title = f"Object {number}" if len(chosen) > 1 else "Object"
             lines.append(
-                "Object: area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, "
+                f"{title}: "
+                "area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, "
                 "confidence {share:.0f} %".format(share=100.0 * one.confidence, **on_object)
             )
     if len(chosen) > _MAX_PRINTED_OBJECTS:
@@ -336,6 +369,8 @@ def _describe_surface(result: Result, shown: Result, seconds: float) -> tuple[Js
 
 
 def _describe_run(result: Result, seconds: float) -> Iterator[str]:
+    if not len(result.particles):
+        return
     yield f"{format_count(len(result.particles), 'particle')}, {format_count(result.steps, 'step')} in {seconds:.2f} s"
     yield f"Stopped: {result.stop_reason}"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -48,6 +49,7 @@ from cpm_core.objects.prior.larger_models import check_model
 from cpm_core.objects.segmented import Click
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.parameters import PRESETS, UNLIMITED_REACH, Parameters
+from cpm_core.parameters.formatting import quote_value
 from cpm_core.segmentation.evolve import DEFAULT_METHOD
 from cpm_core.shapes import (
     Barrier,
@@ -110,7 +112,9 @@ class RunRequest:
     model : str
         The larger model that answers them; empty for the network.
     all_objects : bool
-        Whether all objects are found.
+        Whether the objects that the run proposes are found.
+    picked : str or None
+        Numbers of those that are taken; None for all.
     pages : str or None
         Pages of a stack that are run; without them, the image is run.
     follows_pages : bool
@@ -144,6 +148,7 @@ class RunRequest:
     clicked: tuple[Clicks, ...]
     model: str
     all_objects: bool
+    picked: str | None
     pages: str | None
     follows_pages: bool
     exports: Sequence[str]
@@ -184,12 +189,11 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
     if arguments.model and not clicked:
         raise ValueError("--model is given without --object: name a position inside the object as well.")
     check_model(arguments.model, 3 if is_volume else 2)
-    if arguments.objects:
-        refuse_options(arguments, ("object",), "one object, but --objects finds those of a run")
     preset = arguments.preset or ("volume" if is_volume and not arguments.session else None)
     part = parse_part(arguments, volume=is_volume)
     parameters = parse_parameters(arguments, PRESETS[preset] if preset else session.parameters)
     path, reading = locate_image(arguments.image, session, arguments.session)
+    proposes = bool(arguments.objects or arguments.pick)
     is_chunked = _open_chunked_image(arguments, path) is not None
     if is_chunked:
         _check_chunked_run(arguments, path, parameters, is_volume)
@@ -209,12 +213,13 @@ def parse_run_request(arguments: argparse.Namespace) -> RunRequest:
         max_steps=arguments.max_steps,
         drawn=_build_drawn_shapes(arguments, numbers, is_volume),
         start_files=tuple(arguments.start),
-        default_starts=() if _has_start(arguments, session) else (Everywhere("grid"),),
+        default_starts=() if _has_start(arguments, session) or (is_volume and not proposes) else (Everywhere("grid"),),
         seeding=arguments.auto,
         volume_regions=_build_volume_regions(numbers, session) if is_volume else None,
         clicked=clicked,
         model=arguments.model,
-        all_objects=arguments.objects,
+        all_objects=proposes,
+        picked=arguments.pick,
         pages=arguments.pages,
         follows_pages=arguments.follow,
         exports=arguments.export,
@@ -271,7 +276,7 @@ def _parse_option_numbers(arguments: argparse.Namespace, is_volume: bool) -> _Op
 
 
 def _parse_clicks(arguments: argparse.Namespace, is_volume: bool) -> tuple[Clicks, ...]:
-    """Parse the places inside and outside of objects, in their order."""
+    """Parse the places inside and outside of objects, with the sizes of candidates, in their order."""
     deep = [name for name in ("object", "not") for text in getattr(arguments, name) if text.count(",") == 2]
     if deep and not is_volume:
         raise ValueError(f"--{deep[0]} has a plane, a row and a column: add --volume, or give ROW,COL in an image.")
@@ -280,6 +285,14 @@ def _parse_clicks(arguments: argparse.Namespace, is_volume: bool) -> tuple[Click
     for name, text in getattr(arguments, "clicks", ()):
         if name == "and":
             objects.append(())
+        elif name == "larger":
+            if not objects[-1]:
+                raise ValueError("--larger is given before a place: name one by --object first.")
+            if not re.fullmatch(r"[+-]?\d{1,3}", text, re.ASCII):
+                raise ValueError(
+                    f"--larger is {quote_value(text)} but must be a whole number of sizes, such as 1 or -2."
+                )
+            objects[-1] = (*objects[-1][:-1], replace(objects[-1][-1], step=int(text)))
         else:
             numbers = parse_number_list(f"--{name}", text, form, is_xy=arguments.xy)
             objects[-1] += (Click(group_coordinates(numbers, axes), name == "object"),)
@@ -328,7 +341,7 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, is_volum
         refuse_options(arguments, ("circle", "polygon", "pages", "save_session"), "images, but a volume is run")
     else:
         refuse_options(arguments, SURFACE_FIELDS, "volumes, but an image is run")
-    if not (arguments.objects or arguments.object or _has_start(arguments, session)):
+    if not (arguments.objects or arguments.pick or arguments.object or _has_start(arguments, session)):
         if session.mode == "skeleton":
             raise ValueError("The session is for a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
         raise ValueError(
@@ -357,7 +370,10 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
     """Raise ValueError for what does not work on the pages of a stack."""
     if arguments.object and not arguments.follow:
         raise ValueError("--object is on the first of the pages: add --follow, which finds the object on the others.")
-    refuse_options(arguments, ("and", "page", "truth", "save_session", "method"), "one image, but --pages runs several")
+    if arguments.objects:
+        refuse_options(arguments, ("object",), "one object, but --objects finds those of each page")
+    alone = ("and", "larger", "pick", "page", "truth", "save_session", "method")
+    refuse_options(arguments, alone, "one image, but --pages runs several")
     for target in arguments.export:
         check_target(target, STACKS_WRITABLE, "for all pages of a stack")
     check_targets(arguments.export, arguments, path)
@@ -365,8 +381,8 @@ def _check_pages(arguments: argparse.Namespace, path: Path) -> None:
 
 def _check_chunked_run(arguments: argparse.Namespace, path: Path, parameters: Parameters, is_volume: bool) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
-    drawn = ("circle", "polygon", "stroke", "points", "sphere", "start", "region", "barrier", "charge", "object", "not")
-    other = ("session", "pages", "truth", *SURFACE_FIELDS, "save_session", "method")
+    drawn = ("circle", "polygon", "stroke", "points", "sphere", "start", "region", "barrier", "charge")
+    other = ("object", "not", "pick", "session", "pages", "truth", *SURFACE_FIELDS, "save_session", "method")
     refuse_options(arguments, (*drawn, *other), "an image that is run in one piece")
     if arguments.auto not in CHUNKED_START_KINDS:
         raise ValueError(

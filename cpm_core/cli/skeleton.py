@@ -109,7 +109,7 @@ def _describe_skeleton(found: Skeleton | Centerlines, seconds: float) -> tuple[J
         wide = f" and up to {found.width:.0f} px wide" if found.width else ""
         what = "" if of == "all" else f" of what is {of}{wide}"
         thick = f"thickness up to {found.thickness:.1f} px,"
-        first = f"skeleton{what} of {describe_contour_count(found, 'line')}, {thick}"
+        first = f"skeleton{what}: {describe_contour_count(found, 'line')}, {thick}"
     facts |= {
         "contours": len(found.contours),
         "closed": sum(contour.closed for contour in found.contours),

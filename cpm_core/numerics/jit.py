@@ -15,9 +15,12 @@ from __future__ import annotations
 
 import gc
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache, cached_property, update_wrapper
 from typing import Any, TypeVar
+
+from cpm_core.numerics.types import Callback
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -48,9 +51,25 @@ def _numba() -> Any:
         def on_end(self, event: Any) -> None:
             if was_enabled.pop():  # not within the compilation of a kernel that calls this one
                 gc.enable()
+            for tell in () if was_enabled else tuple(_told):
+                tell()
 
     event.register("numba:compile", Pause())
     return numba
+
+
+_told: list[Callback] = []
+"""Functions to call whenever a kernel has been compiled."""
+
+
+@contextmanager
+def tell_compiled(tell: Callback) -> Iterator[None]:
+    """Call a function whenever a kernel has been compiled, on any thread."""
+    _told.append(tell)
+    try:
+        yield
+    finally:
+        _told.remove(tell)
 
 
 @cache

@@ -64,11 +64,7 @@ def partition(
     image = require_image(values) if isinstance(values, Result) else as_image(values)
     check_model(model, image.ndim)
     if isinstance(values, Result):
-        return (
-            Partition.from_result(values, model)
-            if values.surface is None
-            else VolumePartition.from_result(values, model)
-        )
+        return Partition.from_result(values, model) if image.ndim == 2 else VolumePartition.from_result(values, model)
     if image.ndim == 3:
         return VolumePartition(image, model=model)
     return Partition.from_result(_run_everywhere(image, parameters), model)

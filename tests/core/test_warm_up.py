@@ -7,6 +7,7 @@ import threading
 import numpy as np
 
 from cpm_core import Engine, Parameters, circle
+from cpm_core import warm_up as warm_up_module
 from cpm_core.field import scale_field, scale_space
 from cpm_core.numerics import jit
 from cpm_core.segmentation import local_fields
@@ -43,6 +44,18 @@ def test_warming_up_next_to_a_run_does_not_change_it():
     together = forty_steps()
     other.join()
     assert together == alone
+
+
+def test_the_share_of_the_kernels_that_are_compiled_is_told(monkeypatch):
+    def part():
+        for number in (1.0, 2):
+            jit._numba().njit(lambda value: value + 1)(number)
+
+    told = []
+    monkeypatch.setitem(warm_up_module._KERNELS, part, 4)
+    warm_up(on_progress=told.append, parts=(part, part))
+    assert told == [0.125, 0.25, 0.375, 0.5]
+    assert not jit._told
 
 
 def test_nothing_begins_once_it_is_canceled():

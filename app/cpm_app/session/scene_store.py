@@ -15,7 +15,6 @@ from cpm_app.model.state.situation import Phase, RunStatus
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
-    CompilationProgress,
     FilesExported,
     ImageOpened,
     Reconstruction,
@@ -43,8 +42,6 @@ from cpm_app.session.worker.worker_thread import WorkerThread
 from cpm_core.numerics.types import Texts
 
 R = TypeVar("R", bound=Report)
-
-_COMPILING_TEXT = tr("Preparing, only this once: {percent} %")
 
 _ENDED_BY: Mapping[type[Report], Texts] = {
     ImageOpened: ("seeding", "restoring"), RunsRestored: ("restoring",), RunFailed: ("restoring",),
@@ -252,8 +249,6 @@ class SceneStore(QObject):
                 self._messages.show(written, category=EXPORTING_CATEGORY)
             case CommandFailed(sentence, topic):
                 self._messages.show(sentence, True, topic)
-            case CompilationProgress(percent) if "preparing" in self._busy:
-                self._busy["preparing"] = _COMPILING_TEXT.format(percent=percent)
             case ForcesProbed():
                 self._messages.set_error(report.error, "forces")
                 self._update_scene(probed=report)

@@ -21,7 +21,14 @@ from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import explain_error, tr, translate_core_text
 from cpm_app.model.volume.slices import Slices
 from cpm_app.session.exchange.mailbox import Pacer
-from cpm_app.session.exchange.messages import CoreFunctions, ImageOpened, ImageReady, OpeningFailed
+from cpm_app.session.exchange.messages import (
+    CompilationProgress,
+    CoreFunctions,
+    ImageOpened,
+    ImageReady,
+    OpeningFailed,
+    WarmedUp,
+)
 from cpm_app.session.run_updater import RunUpdater
 from cpm_app.session.scene import Scene
 from cpm_app.session.scene_store import SceneStore
@@ -33,7 +40,7 @@ from cpm_app.session.session_messages import (
     SessionMessages,
 )
 from cpm_app.session.tasks.opening import Opener, OpenRequest
-from cpm_app.session.tasks.tasks import TaskManager
+from cpm_app.session.tasks.tasks import ENDED_TASK, TaskManager
 from cpm_app.session.undo_history import Change, TimelinePlace, UndoHistory
 from cpm_app.session.worker.commands import (
     RunsRestored,
@@ -119,6 +126,9 @@ class Session(QObject):
                 self.run_updater.restore_runs(kept.begun) if kept.generation == self.store.image_generation else None
             ),
         )
+        self._compiling = ENDED_TASK
+        self.store.add_listener(CompilationProgress, self._show_compiling)
+        self.store.add_listener(WarmedUp, lambda _: self._compiling.end())
         self.store.add_listener(
             OpeningFailed, lambda refused: self.messages.show(refused.message, True, OPENING_CATEGORY)
         )
@@ -404,6 +414,12 @@ class Session(QObject):
         self._opener.call_when_opened(lambda: self.post_command(compile_kernels()))
 
     # Internal
+
+    def _show_compiling(self, progress: CompilationProgress) -> None:
+        """Show how many of the kernels have been compiled, where they could not be loaded."""
+        if self._compiling.is_over:
+            self._compiling = self.tasks.begin_task(tr("Preparing, only this once…"), cancellable=False)
+        self._compiling.fraction = progress.percent / 100.0
 
     def _apply_change(self, change: Change | None, back: bool) -> None:
         """Use the document before or after a change, and go where the run was then."""

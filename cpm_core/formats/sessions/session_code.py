@@ -110,13 +110,12 @@ class SessionCode:
         words = self._write_run()
         if words is None and self.file:
             words = ["cpm", "run", self.file]
-        objects = self._write_clicks()
-        if words is None or objects is None or self.picked is not None:
+        if words is None:
             return ""
         image = self.session.image
         assert image is not None
-        suffix = ".tif" if is_volume_session(self.session) else ".geojson"
-        return join_words([*words, *objects, "--export", f"{Path(image.path).stem}_objects{suffix}"])
+        export = ("--export", _name_of_objects(image.path, is_volume_session(self.session)))
+        return join_words([*words, *self._write_chosen(), *export])
 
     def _write_run(self) -> list[str] | None:
         """Write the options of the run; None where they cannot express it."""
@@ -127,7 +126,7 @@ class SessionCode:
         known = all(type(shape) in _DRAWN_OPTIONS and not (volume and shape not in starts) for shape in drawn)
         ordered = sorted(starts, key=lambda start: options.index(type(start))) if known else ()
         doubled = sum(isinstance(start, Everywhere) for start in starts) > 1
-        if not starts or tuple(ordered) != starts or doubled or (volume and not isinstance(starts[0], Everywhere)):
+        if tuple(ordered) != starts or doubled or not all(isinstance(one, Everywhere) or not volume for one in starts):
             return None
         if reading.color not in (LUMINANCE_CHOICE, CONTRAST_CHOICE) or (reading.spacing and not reading.unit):
             return None
@@ -142,23 +141,22 @@ class SessionCode:
         preset, differing = _find_nearest_preset(session.parameters)
         if "channel" in differing and "--channel" in words:
             return None
-        words += ["--preset", preset] if volume or preset != "published" else []
-        for name in differing:
+        words += ["--preset", preset] if starts and (volume or preset != "published") else []
+        for name in differing if starts else ():
             words += [f"--{name.replace('_', '-')}", _format_number(getattr(session.parameters, name))]
         return [*words, *(["--method", "published"] if session.mode == "published" else [])]
 
-    def _write_clicks(self) -> list[str] | None:
-        """Write the options of the objects; None where they cannot express them."""
-        if not self.clicked:
-            return ["--objects"]
-        if is_volume_session(self.session) or any(click.step for clicks in self.clicked for click in clicks):
-            return None
-        words: list[str] = []
-        for clicks in self.clicked:
-            words += ["--and"] if words else []
+    def _write_chosen(self) -> Iterator[str]:
+        """Write the options of the objects."""
+        if self.picked is not None:
+            yield from ("--pick", ",".join(str(index + 1) for index in self.picked))
+        elif not self.clicked:
+            yield "--objects"
+        for number, clicks in enumerate(self.clicked):
+            yield from ("--and",) if number else ()
             for click in clicks:
-                words += ["--object" if click.inside else "--not", _format_places(click.places)]
-        return words
+                yield from ("--object" if click.inside else "--not", _format_places(click.places))
+                yield from ("--larger", str(click.step)) if click.step else ()
 
 
 def write_saved_objects_script(session: SessionFile, file: str) -> str:
@@ -175,9 +173,15 @@ print(*objects, sep="\\n")
 """
 
 
-def write_saved_objects_command(file: str) -> str:
+def write_saved_objects_command(session: SessionFile, file: str) -> str:
     """Write a command that takes the objects of a saved session as they are."""
-    return join_words(["cpm", "export", file, "--objects", "--to", f"{Path(file).stem}_objects.geojson"])
+    target = _name_of_objects(file, is_volume_session(session))
+    return join_words(["cpm", "export", file, "--objects", "--to", target])
+
+
+def _name_of_objects(file: str, in_volume: bool) -> str:
+    """Return the name of the file of the objects of an image, or of a session."""
+    return f"{Path(file).stem}_objects{'.tif' if in_volume else '.geojson'}"
 
 
 def join_words(words: Iterable[str]) -> str:

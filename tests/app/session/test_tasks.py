@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.export import ExportFile, ExportOrder
-from cpm_app.session.exchange.messages import CommandFailed, CoreFunctions, Report
+from cpm_app.session.exchange.messages import CommandFailed, CompilationProgress, CoreFunctions, Report, WarmedUp
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled, TaskManager
 from cpm_app.session.worker.commands import WorkerCommand
@@ -17,7 +17,7 @@ from cpm_app.views.application import make_application
 from cpm_app.views.features.run import TasksFeature
 from cpm_app.views.main_window import make_window
 from PySide6.QtCore import QObject, Qt
-from PySide6.QtWidgets import QToolButton
+from PySide6.QtWidgets import QProgressBar, QToolButton
 
 from cpm_core import Image, load_image
 
@@ -157,6 +157,20 @@ def test_an_image_that_takes_long_is_given_up_by_a_click_and_the_one_before_runs
     assert session.document.image.name == "disc.npy"
     assert session.document.shapes
     assert session.status.step > 0
+
+
+def test_the_first_compilation_moves_a_bar_until_its_end(ready, hand) -> None:
+    session, bar = ready.session, ready.get_feature(TasksFeature).bar
+
+    def report(told: Report) -> None:
+        session.post_command(WorkerCommand(lambda context: context.report(told), "telling"))
+
+    for percent in (25, 75):
+        report(CompilationProgress(percent))
+        hand.wait(lambda done=percent: bar.isVisible() and bar.findChild(QProgressBar).value() == 10 * done)
+    assert bar.text.startswith("Preparing, only this once…")
+    report(WarmedUp())
+    hand.wait(lambda: not bar.isVisible())
 
 
 def test_of_two_images_opened_in_a_row_the_later_one_is_open(window, hand, slow_file, reader, tmp_path) -> None:

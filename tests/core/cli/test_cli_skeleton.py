@@ -29,7 +29,7 @@ def test_the_skeleton_is_told_as_json(image, told):
 def test_a_person_is_told_what_was_found_and_written(image, command, tmp_path):
     status, out, _ = command("skeleton", image, "--export", tmp_path / "a.svg")
     assert status == 0
-    assert out.startswith("bar.png: skeleton of what is light of 5 lines (0 closed), thickness up to ")
+    assert out.startswith("bar.png: skeleton of what is light: 5 lines (0 closed), thickness up to ")
     assert f"Wrote {tmp_path / 'a.svg'}\n" in out
 
 

@@ -42,7 +42,7 @@ def test_an_object_that_a_place_lies_in_is_written_alone_and_compared_with_label
     assert (agreed["source"], agreed["unit"]) == ("labels.npy", None)
     assert agreed["dice"] > 0.97 and agreed["mean_distance"] < 0.4
     assert agreed["hausdorff95"] <= agreed["hausdorff"] < 1.5
-    everywhere = told("run", folder / "ball.npy", "--volume", "--object", "9.5,9.5,9.5")
+    everywhere = told("run", folder / "ball.npy", "--volume", "--auto", "grid", "--object", "9.5,9.5,9.5")
     assert everywhere["volume"] == pytest.approx(facts["volume"], rel=0.02)
     status, _, err = command(*run, "1,1,1")
     assert status == 2 and "no object" in err

@@ -56,9 +56,8 @@ def write_session_code(
                 return text
         if saved is None or not document.objects.items:
             return ""
-        if language == "command":
-            return write_saved_objects_command(str(saved))
-        return write_saved_objects_script(to_session_file(document, {}), str(saved))
+        write_saved = write_saved_objects_command if language == "command" else write_saved_objects_script
+        return write_saved(to_session_file(document, {}), str(saved))
 
     def pass_on(text: str) -> None:
         if text:

@@ -163,6 +163,12 @@ class StackPages(QObject):
         return self._proposed.get(self.number)
 
     @property
+    def offers_objects(self) -> bool:
+        """Whether a page offers objects of which none has been accepted yet."""
+        done = {number for number, document in self.documents.items() if document.objects.items}
+        return any(page.contours and number not in done for number, page in self._proposed.items())
+
+    @property
     def found_objects(self) -> str:
         """Sentence on the objects that runs of all pages propose; empty before there are any."""
         pages = [page for page in self._proposed.values() if page.result is not None]

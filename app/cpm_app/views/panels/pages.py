@@ -145,9 +145,11 @@ class PagePanel(QWidget):
                 count=found.count,
                 tracks=len(found.tracks),
             )
+            if self._pages.offers_objects:
+                listed = tr("On each page Enter accepts its objects; until then its contours are listed.")
+                text = f"{self._pages.found_objects} {listed}"
             if failed := len(found.pages) - len(found.results):
                 text += " " + tr("{failed} could not be used.", failed=failed)
-            text = f"{text} {self._pages.found_objects}".strip()  # the table lists contours until objects are accepted
         self.summary.setText(text)
 
     def show_plots(self) -> None:

@@ -65,6 +65,7 @@ def check_both(hand, tmp_path: Path, shown) -> None:
     labels = np.asarray(PIL.Image.open(masks))
     for number, one in enumerate(shown, start=1):
         np.testing.assert_array_equal(labels == number, one.mask)
+    assert labels.max() == len(shown)
     cpm.export(shown, lines[1], image=hand.window.session.image)
     assert [contour.points.tolist() for contour in cpm.load_contours(lines[0])] == [
         contour.points.tolist() for contour in cpm.load_contours(lines[1])
@@ -95,6 +96,36 @@ def test_clicks_and_corrections_are_repeated_in_their_order(window, hand, tmp_pa
         if len(shown) < 3:
             hand.key(KEY.Key_Return)
             hand.wait(lambda: selection.idle and len(window.session.document.objects.items) == len(shown))
+    check_both(hand, tmp_path, tuple(shown))
+
+
+def test_objects_that_were_picked_of_those_of_a_run_and_one_of_another_size_are_repeated(ready, hand, tmp_path) -> None:
+    selection, session = ready.workspace.object_selection, ready.session
+    ready.actions_by_name["mode_automatic"].trigger()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and len(selection.proposals) == 3)
+    shown = [each.selection for each in selection.proposals]
+    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: selection.idle and len(session.document.objects.items) == 3)
+    ready.workspace.object_list.select_objects([session.document.objects.items[1].number])
+    ready.actions_by_name["delete_object"].trigger()
+    hand.wait(lambda: selection.idle and len(session.document.objects.items) == 2)
+    gone = shown.pop(1)
+    assert "--pick 1,3 " in copied(hand, "copy_command")
+    check_both(hand, tmp_path, tuple(shown))
+
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    hand.wait(lambda: selection.ready and selection.idle)
+    click(hand, *np.argwhere(gone.mask).mean(axis=0))
+    plain = selection.proposals[0].selection
+    hand.key(KEY.Key_BracketRight)
+    hand.wait(lambda: selection.idle and selection.proposals[0].selection.size > plain.size)
+    shown.append(selection.proposals[0].selection)
+    assert "--larger 1" in copied(hand, "copy_command")
     check_both(hand, tmp_path, tuple(shown))
 
 

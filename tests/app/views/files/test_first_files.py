@@ -14,6 +14,7 @@ from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QEvent, QObject
 
 from tests.app.conftest import Hand
+from tests.app.reading import treat_as_saved
 from tests.core.formats.images.made import write_series
 
 pytestmark = pytest.mark.shared_window
@@ -78,7 +79,7 @@ class Marks(QObject):
 
 def test_the_title_has_no_mark_of_unsaved_work_while_a_file_opens(window, hand, tmp_path) -> None:
     marks = Marks()
-    window.document_file.treat_as_saved()
+    treat_as_saved(window)
     window.installEventFilter(marks)
     window.open_image(nifti(tmp_path))
     hand.wait(lambda: window.session.document.image.name == "a.nii.gz" and window.session.idle)

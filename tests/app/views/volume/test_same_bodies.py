@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from cpm_app.session.features.outcome import describe_outcome
 from cpm_app.session.storage.session_file import DocumentFile
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication
 
 import cpm_core as cpm
 from cpm_core import cli
@@ -87,3 +89,36 @@ def test_a_click_in_one_of_bodies_that_touch_selects_what_the_run_proposes_there
     assert (bodies.select([one, other], [other]).mask == bodies.select([one]).mask).all()
     assert bodies.find_candidates([one])[-1].mask[9, 10, int(COLUMNS[1])]
     assert not whole.mask[9, 10, int(apart[2])]
+
+
+def test_bodies_that_were_clicked_are_found_again_by_the_script_and_by_the_command(
+    volume, hand: Hand, tmp_path: Path
+) -> None:
+    selection, shown = volume.workspace.object_selection, []
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_W)
+    hand.wait(lambda: selection.ready and selection.idle)
+    volume.workspace.slices.go_through((9.0, 10.0, COLUMNS[2]))
+    for column in COLUMNS[:0:-1]:
+        hand.click(10.0, column)
+        hand.wait(lambda: selection.idle and selection.answered)
+        shown.append(selection.proposals[0].selection)
+        hand.key(Qt.Key.Key_Return)
+        hand.wait(lambda: selection.idle and len(volume.session.document.objects.items) == len(shown))
+    clipboard, texts = QApplication.clipboard(), []
+    for action in ("copy_python", "copy_command"):
+        clipboard.clear()
+        volume.actions_by_name[action].trigger()
+        hand.wait(lambda: bool(clipboard.text()))
+        texts.append(clipboard.text())
+    script, command = texts
+    found: dict[str, object] = {}
+    exec(script, found)
+    assert masks(found["objects"]) == masks(shown)
+    words = shlex.split(command)
+    assert words[-2:] == ["--export", "touching_objects.tif"]
+    assert cli.main([*words[1:-1], str(tmp_path / "command.tif")]) == 0
+    cpm.export(cpm.objects_result(shown), tmp_path / "window.tif")
+    labels = [cpm.load_volume(tmp_path / name).values for name in ("command.tif", "window.tif")]
+    np.testing.assert_array_equal(*labels)
+    assert labels[0].max() == 2
