@@ -141,6 +141,14 @@ def points_inside(path: Array | Sequence[Position], positions: Array) -> Mask:
     return winds_around(np.ascontiguousarray(corners_of(path)), places)
 
 
+def find_holes(curves: Sequence[Array | Sequence[Position]]) -> list[bool]:
+    """Tell which curves, each of shape (K, 2), bound holes of one area: those that an odd number of others encloses."""
+    return [
+        sum(bool(points_inside(other, np.array(curve[:1]))[0]) for other in curves if other is not curve) % 2 == 1
+        for curve in curves
+    ]
+
+
 def enclosed_area(path: Array | Sequence[Position]) -> float:
     """Return the area enclosed by a path, shape (K, 2), closed from its last corner to its first [px²]."""
     row, col = np.array(path, float).T
