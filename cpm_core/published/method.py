@@ -25,7 +25,7 @@ from cpm_core.field.placed_charges import (
     placed_forces,
 )
 from cpm_core.image.image import Image, as_image
-from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale, to_image, to_scale
+from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale, to_image
 from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import AnyRegions, check_regions
 from cpm_core.model import EPSILON_BOUND, interventions
@@ -49,25 +49,6 @@ USUAL_SIGMA = 1.0
 @dataclass(frozen=True, eq=False, repr=False)
 class PublishedState(State):
     """State of a run as published, on an image or in a volume, with particles in px of their scale."""
-
-    @classmethod
-    def from_seeds(cls, seeds: Array, image: Image, scales: int, regions: AnyRegions | None) -> Self:
-        """Return the state before the coarsest scale; see `State.from_seeds`."""
-        return cls(Particles.at_rest(seeds[:0]), seeds, image.shape, scales, regions=regions)
-
-    @property
-    def position(self) -> Array:
-        """Positions in px of the image itself, shape (N, D)."""
-        return to_image(self.particles.position, self.scale, self.shape)
-
-    @property
-    def placed(self) -> Array:
-        """Position of each placed charge [px of the scale], and its strength; shape (K, D + 1)."""
-        return charges_at_scale(self.charges, self.scale, self.shape)
-
-    def to_particle_places(self, places: Array) -> Array:
-        """Return positions of the image [px], shape (M, D), in px of the scale."""
-        return to_scale(places, self.scale, self.shape)
 
     def begin_scale(self, scale: int, places: Array) -> Self:
         """Return the first state of a scale, with particles at rest at places of shape (N, D) [px of the scale]."""
