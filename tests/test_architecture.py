@@ -31,6 +31,7 @@ LATE_LIBRARIES = {
     "cpm_core.objects.prior.server": {"httpx", "nnInteractive"},
     "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.objects.segmented.by_hand": {"shapely"},
+    "cpm_core.numerics.polyline": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},
     "cpm_core.contours.faces": {"shapely"},
     "cpm_core.contours.region_table": {"shapely"},

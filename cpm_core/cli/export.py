@@ -61,7 +61,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.parameters import Parameters, Provenance
 from cpm_core.parameters.formatting import format_count
-from cpm_core.results import add_segmented_objects, boundaries_result
+from cpm_core.results import add_segmented_objects, boundaries_in_image, boundaries_result
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import find_seeded_methods
 from cpm_core.shapes.document_shapes import select_starts
@@ -148,9 +148,7 @@ def _load_session_result(source: Path, arguments: argparse.Namespace) -> tuple[R
     check_targets(arguments.to, arguments, path)
     image = (load_volume if is_volume_session(session) else load_image)(path, **reading)
     if arguments.objects:
-        made = Provenance("objects", sha256=image.sha256, of_file=bool(image.file_sha256))
-        nothing = boundaries_result(image.shape, image.source, image.spacing, image.unit, image=image, provenance=made)
-        objects = add_segmented_objects(nothing, session.objects)
+        objects = add_segmented_objects(boundaries_in_image(image, Provenance("objects")), session.objects)
         if objects is None:
             raise ValueError(f"{source.name} has no objects: accept some in the window, or leave out --objects.")
         return objects, str(path)

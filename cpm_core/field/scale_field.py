@@ -224,10 +224,6 @@ class ScaleField:
         slope = float(vector_magnitudes(smoothed_gradient(self.potential, 0.0)).mean())
         return slope if slope > 0.0 else 1.0
 
-    def with_barriers(self, barrier_map: BarrierMap) -> ScaleField:
-        """Return this field with other barriers; everything already derived from it is kept."""
-        return copy_with(self, barrier_map=barrier_map)
-
     @property
     def window(self) -> Window:
         """Window of the image that the field covers."""

@@ -30,7 +30,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
 from cpm_core.image.vesselness import compute_vesselness
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, copy_with
 from cpm_core.parameters import Parameters
 
 _KEPT_SETTINGS = 2
@@ -150,7 +150,7 @@ def plane_field_builders(
         return build_barrier_map(barred, shape_at_scale(shape, scale)) if barred else NO_BARRIERS
 
     known = free or build_field
-    fields = kept(lambda scale, *key: known(scale, *key).with_barriers(barriers_at(scale)))
+    fields = kept(lambda scale, *key: copy_with(known(scale, *key), barrier_map=barriers_at(scale)))
 
     def field_at(scale: int, parameters: Parameters) -> ScaleField:
         own = parameters.channel, parameters.edges, parameters.gamma, parameters.smoothing

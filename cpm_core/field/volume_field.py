@@ -168,10 +168,6 @@ class VolumeField:
         other.__dict__.update({name: known for name, known in self.__dict__.items() if name == "ridges"})
         return other
 
-    def with_walls(self, walls: Walls | None) -> VolumeField:
-        """Return these fields with other walls; everything known of the fields is kept."""
-        return copy_with(self, walls=walls)
-
     def crosses_wall(self, start: Array, end: Array) -> Mask:
         """Return a mask, shape (N,), of the straight moves, from and to shape (N, 3) [units], that cross a wall."""
         return np.zeros(len(start), bool) if self.walls is None else self.walls.is_crossed_by(start, end)
@@ -295,7 +291,7 @@ def volume_field_builders(
         found = known(scale, *key)
         if (found.exponent, found.accuracy) != (exponent, accuracy):
             found = found.with_far_field(exponent, accuracy)
-        return found if regions is None else found.with_walls(regions.build_walls(shape).at_scale(scale, pitch))
+        return found if regions is None else copy_with(found, walls=regions.build_walls(shape).at_scale(scale, pitch))
 
     def field_at(scale: int, parameters: Parameters) -> VolumeField:
         check_volume_parameters(parameters)

@@ -117,12 +117,7 @@ def check_animation(path: AnyPath) -> None:
     """
     file = Path(path)
     check_target(file, ANIMATIONS_WRITABLE, "of an animation")
-    check_encoder(file.suffix.lower())
-
-
-def check_encoder(suffix: str) -> None:
-    """Raise ValueError, saying what to install, when a format has no encoder."""
-    if suffix == ".mp4":
+    if file.suffix.lower() == ".mp4":
         require_package("imageio_ffmpeg", "An .mp4 file, unlike .gif and APNG (.png),")
 
 

@@ -22,7 +22,7 @@ from cpm_core.numerics.types import Extent, copy_with
 from cpm_core.objects import Selection
 from cpm_core.parameters.formatting import quote_value
 from cpm_core.parameters.provenance import Provenance
-from cpm_core.results import boundaries_result, objects_result
+from cpm_core.results import boundaries_in_image, boundaries_result, objects_result
 from cpm_core.results.result import Result
 
 Exportable = Outcome | Centerlines | Selection | Surface | Sequence[Selection] | Sequence[Contour] | NDArray[np.integer]
@@ -82,8 +82,7 @@ def _result_in(image: Image | None, shape: Extent, source: str, **found: Any) ->
     """Return what was found in an image, or in one of a shape whose pixels have no known size, as a result."""
     if image is None:
         return boundaries_result(shape, source, **found)
-    made, place = Provenance(sha256=image.sha256, of_file=bool(image.file_sha256)), (image.spacing, image.unit)
-    return boundaries_result(image.shape, image.source, *place, image=image, provenance=made, **found)
+    return boundaries_in_image(image, Provenance(), **found)
 
 
 def _shape_around(places: NDArray[np.float64]) -> Extent:

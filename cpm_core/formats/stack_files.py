@@ -138,11 +138,6 @@ STACKS_WRITABLE: dict[str, str] = {**_LABEL_STACKS, **{suffix: text for suffix, 
 """Suffixes of files of all pages of a stack -> what is written."""
 
 
-def find_stack_suffix(path: AnyPath) -> str:
-    """Return the longest suffix of a stack file that fits a path; empty for others."""
-    return find_suffix(path, STACKS_WRITABLE)
-
-
 def export_stack(
     found: StackResult,
     *paths: AnyPath,
@@ -169,7 +164,7 @@ def export_stack(
         check_target(file, STACKS_WRITABLE, "for all pages of a stack")
     for file in files:
         try:
-            if (suffix := find_stack_suffix(file)) in _STACK_ENCODERS:
+            if (suffix := find_suffix(file, STACKS_WRITABLE)) in _STACK_ENCODERS:
                 write_together([(file, _STACK_ENCODERS[suffix][1](found))])
             else:
                 with draft_files(file) as (draft,):

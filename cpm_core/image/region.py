@@ -332,17 +332,8 @@ class Region:
     @property
     def outer_curves(self) -> tuple[Line, ...]:
         """The curves of the boundary that do not bound holes."""
-        if len(self.boundary) == 1:
-            return self.boundary
-        around = [
-            sum(
-                bool(polyline.points_inside(other, np.array(curve[:1]))[0])
-                for other in self.boundary
-                if other is not curve
-            )
-            for curve in self.boundary
-        ]
-        return tuple(curve for curve, count in zip(self.boundary, around, strict=True) if count % 2 == 0)
+        holes = polyline.find_holes(self.boundary)
+        return tuple(curve for curve, hole in zip(self.boundary, holes, strict=True) if not hole)
 
     @cached_property
     def size(self) -> float:

@@ -14,7 +14,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.segments import nearest_distances, path_segments, segments_meet, union_boundary
+from cpm_core.numerics.segments import SegmentTree, path_segments, segments_meet, union_boundary
 from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
 from cpm_core.parameters.formatting import format_count, format_repr, format_size, quote_value
 
@@ -96,7 +96,7 @@ class Regions:
     def allows(self, points: Array) -> Mask:
         """Return whether particles may be at points, shape (N, 2) [px]: in a region of interest, off all lines."""
         lines = np.concatenate([self.rim_segments(), self.barrier_segments()])
-        away = nearest_distances(np.ascontiguousarray(points, float), lines)
+        away = SegmentTree(lines[:, :2], lines[:, 2:]).distances_to(points)
         return self.contains(points) & (away >= _ON_LINE_DISTANCE)
 
     def pixel_mask(self, shape: Extent) -> Mask:

@@ -1,18 +1,19 @@
 """The Coulomb force of eq. (9) between particles anywhere: pair by pair, or fast by a tree.
 
-The tree halves boxes at the middle of their longest side, each drawn tightly around its particles, so that it resolves
-clusters of any density. On the particles of a leaf, a box that is far away for its size acts by charges on a grid of
-nodes in it: their force is that of its particles, interpolated by polynomials (Fong and Darve 2009,
-doi:10.1016/j.jcp.2009.08.031). Boxes that are near act by their particles. All of these are summed in one loop, pair
-by pair. Each leaf is computed by one thread, in the same order on any number of them.
+The boxes of a k-d tree are drawn tightly around their particles, so that it resolves clusters of any density. On the
+particles of a leaf, a box that is far away for its size acts by charges on a grid of nodes in it: their force is that
+of its particles, interpolated by polynomials (Fong and Darve 2009, doi:10.1016/j.jcp.2009.08.031). Boxes that are near
+act by their particles. All of these are summed in one loop, pair by pair. Each leaf is computed by one thread, in the
+same order on any number of them.
 """
 
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.jit import compiled, reordered
@@ -165,46 +166,32 @@ class _Boxes(NamedTuple):
 
 
 def _sum_by_tree(sites: Array, force: Array) -> None:
-    """Approximate the sums over all pairs, for particles at `sites`, shape (D, N), which are sorted."""
-    axes, count = sites.shape
-    most, order = 2 * count, np.arange(count)
-    half, spots = np.zeros((2, most), np.int64)
-    middle, reach = np.zeros((2, most, axes))
-    boxes = _Boxes(np.zeros((most, 2), np.int64), half, spots, middle, reach, np.zeros((most, _NODES**axes)))
-    made = _halve_boxes(sites, order, boxes)
-    _spread_charges(sites, boxes, made)
-    leaves = np.flatnonzero(half[:made] == 0)
+    """Approximate the sums over all pairs, for particles at `sites`, shape (D, N)."""
+    tree = scipy.spatial.cKDTree(sites.T, _MAX_LEAF_PARTICLES, balanced_tree=False)
+    order = tree.indices.astype(np.int64)
+    sites = np.ascontiguousarray(sites[:, order])
+    boxes = _collect_boxes(tree, sites)
+    _spread_charges(sites, boxes)
+    leaves = np.flatnonzero(boxes.half == 0)
     run_in_parallel(partial(_sum_leaves, sites, order, boxes, leaves, force), len(leaves), 1)
 
 
-@compiled
-def _halve_boxes(sites: Array, order: Index, boxes: _Boxes) -> int:
-    """Halve boxes at the middle of their longest side, sort the particles into them; return how many there are."""
-    axes, made, k = len(sites), 1, 0
-    boxes.span[0, 1] = sites.shape[1]
-    while k < made:
-        start, end, longest = boxes.span[k, 0], boxes.span[k, 1], 0
-        for axis in range(axes):
-            low, high = np.inf, -np.inf
-            for n in range(start, end):
-                low, high = min(low, sites[axis, n]), max(high, sites[axis, n])
-            boxes.middle[k, axis], boxes.reach[k, axis] = 0.5 * (low + high), 0.5 * (high - low)
-            longest = axis if boxes.reach[k, axis] > boxes.reach[k, longest] else longest
-        behind = start
-        if end - start > _MAX_LEAF_PARTICLES:
-            for n in range(start, end):  # swap in any case: a branch would be mispredicted half of the time
-                before = sites[longest, n] <= boxes.middle[k, longest]
-                for axis in range(axes):
-                    sites[axis, behind], sites[axis, n] = sites[axis, n], sites[axis, behind]
-                order[behind], order[n] = order[n], order[behind]
-                behind += before
-        if start < behind < end:  # else all are at the same position
-            boxes.half[k] = made
-            boxes.span[made, 0], boxes.span[made, 1] = start, behind
-            boxes.span[made + 1, 0], boxes.span[made + 1, 1] = behind, end
-            made += 2
-        k += 1
-    return made
+def _collect_boxes(tree: scipy.spatial.cKDTree, sites: Array) -> _Boxes:
+    """Collect the boxes of a tree, each drawn tightly around its particles at the sorted `sites`, without charges."""
+    nodes: list[Any] = [tree.tree]
+    half: list[int] = []
+    for node in nodes:  # which grows meanwhile
+        is_leaf = node.split_dim < 0
+        half.append(0 if is_leaf else len(nodes))
+        nodes += [] if is_leaf else [node.lesser, node.greater]
+    span = np.array([(node.start_idx, node.end_idx) for node in nodes])
+    low, high = (
+        np.array([find_end(sites[:, start:end], axis=1) for start, end in span.tolist()])
+        for find_end in (np.min, np.max)
+    )
+    charge = np.zeros((len(nodes), _NODES ** len(sites)))
+    spots = np.zeros(len(nodes), np.int64)
+    return _Boxes(span, np.array(half), spots, 0.5 * (low + high), 0.5 * (high - low), charge)
 
 
 @compiled
@@ -233,12 +220,12 @@ def _append_particles(sites: Array, boxes: _Boxes, k: int, sources: Array, charg
 
 
 @compiled
-def _spread_charges(sites: Array, boxes: _Boxes, made: int) -> None:
+def _spread_charges(sites: Array, boxes: _Boxes) -> None:
     """Spread the particles of each leaf, and what both halves of other boxes act by, over the nodes of the box."""
     axes, nodes = len(sites), boxes.charge.shape[1]
     sources, charges = np.empty((axes, sites.shape[1])), np.empty(sites.shape[1])
     weights = np.empty((axes, _NODES))
-    for k in range(made - 1, -1, -1):
+    for k in range(len(boxes.half) - 1, -1, -1):
         half, length = boxes.half[k], 0
         boxes.spots[k] = 1 if boxes.reach[k].max() == 0.0 else boxes.span[k, 1] - boxes.span[k, 0]
         if half:

@@ -132,10 +132,6 @@ class ImageFields:
             other._check_edges()
         return other
 
-    def can_start(self, parameters: Parameters) -> bool:
-        """Return whether a run with these parameters can start in these fields, which have a fixed number of scales."""
-        return parameters.scales == self.scales
-
     def scale_field(self, parameters: Parameters, scale: int = 0) -> ScaleField:
         """Return the fields of a scale, built on first use; a `VolumeField` in a volume."""
         self._latest = parameters

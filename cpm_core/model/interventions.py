@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from cpm_core.field.placed_charges import Charges, PlacedCharge, changed_charges, check_charges
 from cpm_core.image.pyramid import shape_at_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.model.measures import state_metrics
 from cpm_core.model.starts import check_seeds, is_allowed, is_inside_image
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Array, Extent, Mask
@@ -48,30 +49,82 @@ def change_charges(state: StateT, charges: Charges) -> StateT:
     return replace(woken, charges=charges, annealed=1.0, reactivated=state.step_of_scale, quiet=0)
 
 
-def add_particles(state: StateT, seeds: ArrayLike, regions: AnyRegions | None) -> StateT:
-    """Add particles, shape (M, D), to a run; see `Engine.add_particles`."""
-    points = check_seeds(seeds, state.shape, regions)
-    more = state.particles.at_rest(state.to_particle_places(points), state.next_identity)
-    joined = replace(
-        state,
-        particles=state.particles.append(more),
-        start=np.concatenate([state.start, points]),
-        next_identity=state.next_identity + len(points),
-    )
-    return joined.reactivate_all().resume().widen_window()
+class ParticleMethod:
+    """Base of methods whose states are `State`, in whose runs users add and erase particles."""
 
+    regions: AnyRegions | None
+    scales: int
 
-def erase_particles(state: StateT, inside: ParticleSelection) -> StateT:
-    """Remove particles from a run; see `Engine.erase_particles`."""
-    if callable(inside):
-        gone = _check_mask(inside(state.position), state.count, "particles")
-        start = state.start[~_check_mask(inside(state.start), len(state.start), "starting particles")]
-    else:
-        gone, start = _check_mask(inside, state.count, "particles"), state.start
-    if not gone.any() and len(start) == len(state.start):
-        return state
-    rest = replace(state.erase_particles(gone), start=start)
-    return rest if rest.count else rest.stop("all particles have been erased")
+    def can_start(self, parameters: Parameters) -> bool:
+        """Return whether a run with these parameters can start: with as many scales."""
+        return parameters.scales == self.scales
+
+    def measure_state(self, state: State, parameters: Parameters) -> Mapping[str, float]:
+        """Return the metrics of a state by name; see `Method.measure_state`."""
+        return state_metrics(state)
+
+    def add_particles(self, state: StateT, seeds: ArrayLike) -> StateT:
+        """Add particles to a run.
+
+        Parameters
+        ----------
+        state : State
+            A state of a run on this image.
+        seeds : array_like, shape (M, 2)
+            Positions of the new particles (row, col) [px]; left out as in `start`.
+
+        Returns
+        -------
+        State
+            With the new particles at rest, at the same scale; finer scales begin with them as well. All particles are
+            reactivated, and a run that has ended continues.
+
+        Raises
+        ------
+        ValueError
+            When there is no new particle, or none inside the image and the regions of interest.
+        """
+        points = check_seeds(seeds, state.shape, self.regions)
+        more = state.particles.at_rest(state.to_particle_places(points), state.next_identity)
+        joined = replace(
+            state,
+            particles=state.particles.append(more),
+            start=np.concatenate([state.start, points]),
+            next_identity=state.next_identity + len(points),
+        )
+        return joined.reactivate_all().resume().widen_window()
+
+    def erase_particles(self, state: StateT, inside: ParticleSelection) -> StateT:
+        """Remove particles from a run.
+
+        Parameters
+        ----------
+        state : State
+            A state of a run on this image.
+        inside : ndarray of bool, shape (N,), or callable
+            Mask of the particles, or a function of positions, shape (M, 2) [px of the image]. The function is applied
+            to the seeds as well, so that a finer scale does not begin there again.
+
+        Returns
+        -------
+        State
+            With the other particles, which are not reactivated: no particles are inserted next to those at rest, and a
+            run that has ended stays so. Without any particle left the run ends.
+
+        Raises
+        ------
+        ValueError
+            When `inside` is not one truth value for each particle.
+        """
+        if callable(inside):
+            gone = _check_mask(inside(state.position), state.count, "particles")
+            start = state.start[~_check_mask(inside(state.start), len(state.start), "starting particles")]
+        else:
+            gone, start = _check_mask(inside, state.count, "particles"), state.start
+        if not gone.any() and len(start) == len(state.start):
+            return state
+        rest = replace(state.erase_particles(gone), start=start)
+        return rest if rest.count else rest.stop("all particles have been erased")
 
 
 def _check_mask(inside: ArrayLike, count: int, noun: str) -> Mask:

@@ -120,15 +120,13 @@ def stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
     return points_at_lengths(corners, np.linspace(0.0, whole, max(1, round(whole / spacing)) + 1))
 
 
-def closed_stroke(points: ArrayLike, spacing: float = 2.0) -> Array:
+def closed_stroke(points: ArrayLike) -> Array:
     """Place particles at equal distances along a closed path with corners of shape (K, 2), shape (N, 2) [px].
 
     The last corner is joined to the first. Otherwise as `stroke`.
     """
     corners = np.asarray(points, dtype=float)
-    if corners.ndim != 2 or 0 in corners.shape:
-        return stroke(corners, spacing)
-    along = stroke(np.concatenate([corners, corners[:1]]), spacing)
+    along = stroke(np.concatenate([corners, corners[:1]]))
     return along[:-1] if len(along) > 1 else along
 
 

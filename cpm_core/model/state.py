@@ -11,8 +11,9 @@ from typing import Self
 
 import numpy as np
 
-from cpm_core.field.placed_charges import Charges
+from cpm_core.field.placed_charges import Charges, charges_at_scale
 from cpm_core.image.image import Image
+from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, record
@@ -196,19 +197,19 @@ class State(ABC):
     converged: bool = False
 
     @classmethod
-    @abstractmethod
     def from_seeds(cls, seeds: Array, image: Image, scales: int, regions: AnyRegions | None) -> Self:
         """Return the state before the coarsest scale, without particles; seeds of shape (M, D) [px of the image]."""
+        return cls(Particles.at_rest(seeds[:0]), seeds, image.shape, scales, regions=regions)
 
     @property
-    @abstractmethod
     def position(self) -> Array:
         """Positions in px of the image itself, at every scale; shape (N, D)."""
+        return to_image(self.particles.position, self.scale, self.shape)
 
     @property
-    @abstractmethod
     def placed(self) -> Array:
         """Position of each placed charge, as those of particles at the scale, and its strength; shape (K, D + 1)."""
+        return charges_at_scale(self.charges, self.scale, self.shape)
 
     @property
     def count(self) -> int:
@@ -220,9 +221,9 @@ class State(ABC):
         """The pixels of the scale that the run is limited to; None for all, as always in a volume."""
         return None
 
-    @abstractmethod
     def to_particle_places(self, places: Array) -> Array:
-        """Return positions of the image [px], shape (M, D), as those of particles."""
+        """Return positions of the image [px], shape (M, D), as those of particles: in px of the scale."""
+        return to_scale(places, self.scale, self.shape)
 
     def list_arrays(self) -> list[Numbers]:
         """Return the arrays that keeping this state costs, without the start, which all states of a run share."""

@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.numerics.segments import distances_to_segments, nearest_distances, winds_around
+from cpm_core.numerics.segments import distances_to_segments, winds_around
 from cpm_core.numerics.types import Array, Index, Line, Mask, Position
 
 _Kind = TypeVar("_Kind", bound=np.generic)
@@ -103,15 +103,11 @@ def resample_path(path: Array, spacing: float) -> Array:
     return out
 
 
-def project_point(path: Array, place: Position) -> tuple[float, float]:
-    """Return the length along a path, shape (K, D), up to its point nearest to a place, and their distance [px]."""
-    way = np.diff(path, axis=0)
-    squared = (way**2).sum(axis=1)
-    share = np.clip(((place - path[:-1]) * way).sum(axis=1) / np.where(squared > 0.0, squared, 1.0), 0.0, 1.0)
-    away = np.linalg.norm(path[:-1] + share[:, None] * way - place, axis=1)
-    nearest = int(away.argmin())
-    along = lengths_along(path)[nearest] + share[nearest] * np.sqrt(squared[nearest])
-    return float(along), float(away[nearest])
+def project_point(path: Array, place: Position) -> float:
+    """Return the length along a path, shape (K, 2), up to its point nearest to a place [px]."""
+    import shapely  # noqa: PLC0415 - takes long to load
+
+    return float(shapely.line_locate_point(shapely.LineString(path), shapely.Point(place)))
 
 
 def distance_to_path(path: Array | Sequence[Position], position: Position) -> float:
@@ -122,13 +118,13 @@ def distance_to_path(path: Array | Sequence[Position], position: Position) -> fl
 def distances_to_path(path: Array | Sequence[Position], positions: Array) -> Array:
     """Return distances, shape (N,), of positions, shape (N, D), from a path of one corner or more, shape (K, D)."""
     corners = corners_of(path)
-    if len(corners) == 1:
-        corners = corners[[0, 0]]
     if corners.shape[1] != 2:
-        away = distances_to_segments(np.asarray(positions, float)[:, None], corners[:-1], np.diff(corners, axis=0))
-        return away.min(axis=1)
-    sides = np.concatenate([corners[:-1], corners[1:]], axis=1)
-    return nearest_distances(np.ascontiguousarray(positions, float), sides)
+        begin, end = (corners[:-1], corners[1:]) if len(corners) > 1 else (corners, corners)
+        return distances_to_segments(np.asarray(positions, float)[:, None], begin, end - begin).min(axis=1)
+    import shapely  # noqa: PLC0415 - takes long to load
+
+    line = shapely.LineString(corners) if len(corners) > 1 else shapely.Point(corners[0])
+    return np.asarray(shapely.distance(line, shapely.points(positions)))
 
 
 def distances_to_closed_paths(curves: Iterable[Sequence[Position]], positions: Array) -> Array:
@@ -143,6 +139,14 @@ def points_inside(path: Array | Sequence[Position], positions: Array) -> Mask:
     """Return a mask, shape (N,), of the positions, shape (N, 2), inside a path, closed from its last corner."""
     places = np.ascontiguousarray(positions, float).reshape(-1, 2)
     return winds_around(np.ascontiguousarray(corners_of(path)), places)
+
+
+def find_holes(curves: Sequence[Array | Sequence[Position]]) -> list[bool]:
+    """Tell which curves, each of shape (K, 2), bound holes of one area: those that an odd number of others encloses."""
+    return [
+        sum(bool(points_inside(other, np.array(curve[:1]))[0]) for other in curves if other is not curve) % 2 == 1
+        for curve in curves
+    ]
 
 
 def enclosed_area(path: Array | Sequence[Position]) -> float:

@@ -39,29 +39,11 @@ def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
     return np.linalg.norm(away, axis=-1)
 
 
-@compiled
-def nearest_distances(points: Array, segments: Array) -> Array:
-    """Return the distance of each of points, shape (N, 2), from the nearest of segments, shape (S, 4), shape (N,) [px].
-
-    The loop over all pairs of `distances_to_segments`; `SegmentTree` is faster where there are many of both.
-    """
-    nearest = np.full(len(points), np.inf)
-    for i in range(len(points)):
-        for s in range(len(segments)):
-            down, right = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
-            row, col = points[i, 0] - segments[s, 0], points[i, 1] - segments[s, 1]
-            square = down * down + right * right
-            share = min(max((row * down + col * right) / square, 0.0), 1.0) if square > 0.0 else 0.0
-            nearest[i] = min(nearest[i], (row - share * down) ** 2 + (col - share * right) ** 2)
-        nearest[i] = np.sqrt(nearest[i])
-    return nearest
-
-
 class SegmentTree:
     """Segments with ends `begin` and `end`, shape (S, 2) [px], for many measurements of distances."""
 
     def __init__(self, begin: Array, end: Array) -> None:
-        import shapely  # noqa: PLC0415 - needed for comparisons only
+        import shapely  # noqa: PLC0415 - takes long to load
 
         # GEOS knows no distance from a line without length
         short = ((end - begin) ** 2).sum(axis=1) == 0.0

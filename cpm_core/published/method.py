@@ -7,7 +7,7 @@ recover the comb of `docs/published.md` at the published values.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, ClassVar, Self
@@ -25,11 +25,11 @@ from cpm_core.field.placed_charges import (
     placed_forces,
 )
 from cpm_core.image.image import Image, as_image
-from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale, to_image, to_scale
+from cpm_core.image.pyramid import build_pyramid, check_scales, shape_at_scale, to_image
 from cpm_core.image.surface import Surface
 from cpm_core.image.volume_regions import AnyRegions, check_regions
 from cpm_core.model import EPSILON_BOUND, interventions
-from cpm_core.model.measures import Forces, state_metrics
+from cpm_core.model.measures import Forces
 from cpm_core.model.starts import check_seeds, is_allowed, is_inside_image
 from cpm_core.model.state import Particles, State
 from cpm_core.numerics.types import Array, Arrays, Texts, copy_with
@@ -50,25 +50,6 @@ USUAL_SIGMA = 1.0
 class PublishedState(State):
     """State of a run as published, on an image or in a volume, with particles in px of their scale."""
 
-    @classmethod
-    def from_seeds(cls, seeds: Array, image: Image, scales: int, regions: AnyRegions | None) -> Self:
-        """Return the state before the coarsest scale; see `State.from_seeds`."""
-        return cls(Particles.at_rest(seeds[:0]), seeds, image.shape, scales, regions=regions)
-
-    @property
-    def position(self) -> Array:
-        """Positions in px of the image itself, shape (N, D)."""
-        return to_image(self.particles.position, self.scale, self.shape)
-
-    @property
-    def placed(self) -> Array:
-        """Position of each placed charge [px of the scale], and its strength; shape (K, D + 1)."""
-        return charges_at_scale(self.charges, self.scale, self.shape)
-
-    def to_particle_places(self, places: Array) -> Array:
-        """Return positions of the image [px], shape (M, D), in px of the scale."""
-        return to_scale(places, self.scale, self.shape)
-
     def begin_scale(self, scale: int, places: Array) -> Self:
         """Return the first state of a scale, with particles at rest at places of shape (N, D) [px of the scale]."""
         begun = super().begin_scale(scale, places)
@@ -83,7 +64,7 @@ class PublishedState(State):
         return self
 
 
-class Published:
+class Published(interventions.ParticleMethod):
     """The charged-particle model as published, on one image or volume: a `Method`.
 
     Lengths are in px along every axis. Particles that leave the image, or the regions of interest, are removed.
@@ -151,10 +132,6 @@ class Published:
         """Return the values that a step depends on; see `Method.steering`."""
         return tuple(getattr(parameters, name) for name in cls.parameters if name != "scales")
 
-    def can_start(self, parameters: Parameters) -> bool:
-        """Return whether a run with these parameters can start: with as many scales."""
-        return parameters.scales == self.scales
-
     def with_regions(self, regions: AnyRegions | None) -> Self:
         """Return the method with other regions."""
         check_regions(regions, self.image.shape)
@@ -218,18 +195,6 @@ class Published:
         surface = None if plane else _surface_through(state.position, self.image)
         made = describe_origin(self.name, self.image, state, select_parameters(parameters, self.parameters))
         return build_result(state, self.image, parameters, contours=contours, surface=surface, provenance=made)
-
-    def measure_state(self, state: PublishedState, parameters: Parameters) -> Mapping[str, float]:
-        """Return the metrics of a state by name; see `Method.measure_state`."""
-        return state_metrics(state)
-
-    def add_particles(self, state: PublishedState, seeds: ArrayLike) -> PublishedState:
-        """Add particles at rest, at positions of shape (M, D) [px]."""
-        return interventions.add_particles(state, seeds, self.regions)
-
-    def erase_particles(self, state: PublishedState, inside: interventions.ParticleSelection) -> PublishedState:
-        """Remove particles; see `Engine.erase_particles`."""
-        return interventions.erase_particles(state, inside)
 
     def forces(
         self,

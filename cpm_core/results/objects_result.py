@@ -91,12 +91,7 @@ def _build_image_result(selections: Sequence[Selection], labels: Sequence[Label]
         {"shape": "object", "inside": selection.inside.tolist(), "outside": selection.outside.tolist()}
         for selection in selections
     )
-    made = Provenance(
-        "objects", {"channel": taken}, shapes=clicks, sha256=image.sha256, of_file=bool(image.file_sha256)
-    )
-    nothing = boundaries_result(
-        image.shape, image.source, image.spacing, image.unit, image=image, channel=taken, provenance=made
-    )
+    nothing = boundaries_in_image(image, Provenance("objects", {"channel": taken}, shapes=clicks), channel=taken)
     return replace(_join_objects(nothing, selections, labels), bridges=tuple(_measure_gaps(gaps, image, channel)))
 
 
@@ -180,6 +175,13 @@ def replace_by_objects(
     drawn = (*result.provenance.shapes, *found.provenance.shapes)
     made = replace(result.provenance, method="objects", shapes=drawn, model=found.provenance.model)
     return replace(found, provenance=made)
+
+
+def boundaries_in_image(image: Image, made: Provenance, **found: Any) -> Result:
+    """Build the result of `boundaries_result` in an image, whose hash is added to the provenance."""
+    known = replace(made, sha256=image.sha256, of_file=bool(image.file_sha256))
+    place = image.shape, image.source, image.spacing, image.unit
+    return boundaries_result(*place, image=image, provenance=known, **found)
 
 
 def boundaries_result(

@@ -20,7 +20,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.model import interventions
 from cpm_core.model.image_fields import FieldMeasure, ImageFields
-from cpm_core.model.measures import Energies, Forces, state_metrics
+from cpm_core.model.measures import Energies, Forces
 from cpm_core.model.plane import step as plane
 from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.starts import check_seeds
@@ -60,7 +60,7 @@ _LAW_BY_AXES: Mapping[int, _Law] = MappingProxyType(
 """Law of a run by the number of axes of its image."""
 
 
-class Engine(ImageFields):
+class Engine(ImageFields, interventions.ParticleMethod):
     """The charged-particle model on one image: a `Method` whose states are `State`.
 
     `ImageFields` describes image, parameters and regions and the errors that they raise. In a volume positions are
@@ -229,53 +229,6 @@ class Engine(ImageFields):
         placed = replace(state, charges=check_charges(charges, self.image.ndim))
         return self._law.energies(placed, self._field_of(state, parameters), parameters)
 
-    def add_particles(self, state: State, seeds: ArrayLike) -> State:
-        """Add particles to a run.
-
-        Parameters
-        ----------
-        state : State
-            A state of a run on this image.
-        seeds : array_like, shape (M, 2)
-            Positions of the new particles (row, col) [px]; left out as in `start`.
-
-        Returns
-        -------
-        State
-            With the new particles at rest, at the same scale; finer scales begin with them as well. All particles are
-            reactivated, and a run that has ended continues.
-
-        Raises
-        ------
-        ValueError
-            When there is no new particle, or none inside the image and the regions of interest.
-        """
-        return interventions.add_particles(state, seeds, self.regions)
-
-    def erase_particles(self, state: State, inside: interventions.ParticleSelection) -> State:
-        """Remove particles from a run.
-
-        Parameters
-        ----------
-        state : State
-            A state of a run on this image.
-        inside : ndarray of bool, shape (N,), or callable
-            Mask of the particles, or a function of positions, shape (M, 2) [px of the image]. The function is applied
-            to the seeds as well, so that a finer scale does not begin there again.
-
-        Returns
-        -------
-        State
-            With the other particles, which are not reactivated: no particles are inserted next to those at rest, and a
-            run that has ended stays so. Without any particle left the run ends.
-
-        Raises
-        ------
-        ValueError
-            When `inside` is not one truth value for each particle.
-        """
-        return interventions.erase_particles(state, inside)
-
     def result(self, state: State, parameters: Parameters) -> Result:
         """Compute contours and metrics of any state of a run.
 
@@ -294,10 +247,6 @@ class Engine(ImageFields):
         found = self._law.result(state, self.image, self._field_of(state, parameters), parameters)
         origin = describe_origin(self.name, self.image, state, select_parameters(parameters, self.parameters))
         return replace(found, provenance=origin)
-
-    def measure_state(self, state: State, parameters: Parameters) -> Mapping[str, float]:
-        """Return the metrics of a state by name; see `Method.measure_state`."""
-        return state_metrics(state)
 
     def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
         """Return the fields of the scale of a state, limited to the area of its start."""

@@ -44,9 +44,6 @@ class SeedCache:
 
         @lru_cache(_CACHED_STARTS)
         def find_seeds(start: ImageStart, sigma: float, channel: str) -> Array:
-            if not isinstance(start, Everywhere) and isinstance(start, BoxThreshold) is not volume:
-                kind, found = ("images", "a volume") if volume else ("volumes", "an image")
-                raise ValueError(f"this {start.title} is for {kind}, but {image.source} is {found}: draw another one.")
             return start.seeds_on(image, channel, lambda: edge_strength(sigma, channel))
 
         self._automatic_sigma, self._find_seeds = automatic_sigma, find_seeds

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array
 
 CURVE_TOLERANCE = 0.005
@@ -62,12 +61,3 @@ def flatten_bezier(*corners: Sequence[float] | Array) -> Array:
     along = np.arange(1, count + 1) / count
     shares = np.stack([(1 - along) ** 3, 3 * (1 - along) ** 2 * along, 3 * (1 - along) * along**2, along**3], axis=1)
     return shares @ control
-
-
-def mark_holes(curves: Sequence[Array]) -> list[tuple[Array, bool]]:
-    """Mark the holes among curves of shape (K, 2) around one area: those that an odd number of the others encloses."""
-    around = [
-        sum(bool(polyline.points_inside(other, curve[:1])[0]) for other in curves if other is not curve)
-        for curve in curves
-    ]
-    return [(curve, count % 2 == 1) for curve, count in zip(curves, around, strict=True)]

@@ -82,8 +82,7 @@ def encode_dxf(result: Outcome) -> bytes:
         if len(places) == 1:
             model.add_point(places[0].tolist(), look)
         else:
-            polyline = model.add_lwpolyline((), close=contour.closed, dxfattribs=look)
-            polyline.lwpoints = _Vertices(places.tolist())  # type: ignore[assignment]
+            model.add_lwpolyline(places.tolist(), "xy", close=contour.closed, dxfattribs=look)
     comments = flatten_provenance(describe_provenance(result))
     comments |= {
         _SHAPE_COMMENT: " ".join(map(str, result.shape)),
@@ -95,18 +94,6 @@ def encode_dxf(result: Outcome) -> bytes:
             stream.write(f"999\n{line}\n")
     drawing.write(stream)
     return stream.getvalue().encode()
-
-
-class _Vertices(list[list[float]]):
-    """Vertices (x, y) of a polyline, written by ezdxf in one go; its own class makes an object per number."""
-
-    def dxftags(self) -> list[_Vertices]:
-        """Return all vertices as one tag."""
-        return [self]
-
-    def dxfstr(self) -> str:
-        """Return the lines of the file."""
-        return "".join(f" 10\n{x}\n 20\n{y}\n" for x, y in self)
 
 
 def read_dxf(content: bytes, plane: PlaneInfo) -> CollectedContours:

@@ -16,7 +16,8 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 from cpm_core.contours.contour import Contour, assign_numbers
 from cpm_core.formats.common.provenance import Outcome, describe_provenance, flatten_provenance
 from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, contour_rgb
-from cpm_core.formats.contours.curves import flatten_bezier, flatten_ellipse, mark_holes, rectangle_corners
+from cpm_core.formats.contours.curves import flatten_bezier, flatten_ellipse, rectangle_corners
+from cpm_core.numerics.polyline import find_holes
 from cpm_core.numerics.types import Array, JsonDict
 
 _COUNTS_CHARACTERS = tuple(map(int, roifile.__version__.split(".")[:2])) < (2026, 11)
@@ -167,7 +168,7 @@ def _add_roi(found: CollectedContours, roi: ImagejRoi, selection: bytes, known: 
     """Add the contours or points of a selection."""
     if roi.multi_coordinates is not None:
         curves = [curve - PIXEL_OFFSET for curve in _flatten_composite(roi.multi_coordinates.astype(float))]
-        found.add_object(mark_holes(curves), **known)
+        found.add_object(zip(curves, find_holes(curves), strict=True), **known)
     elif roi.roitype in _AREA_TYPES:
         found.add_contour(_outline_area(roi, selection) - PIXEL_OFFSET, True, **known)
     elif roi.roitype in _LINE_TYPES:

@@ -18,9 +18,9 @@ from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.json_values import encode_json
 from cpm_core.formats.common.provenance import PROVENANCE_KEY, Outcome, describe_provenance
 from cpm_core.formats.contours.contents import PIXEL_OFFSET, CollectedContours, to_xy_pairs
-from cpm_core.formats.contours.curves import flatten_ellipse, mark_holes, rectangle_corners
+from cpm_core.formats.contours.curves import flatten_ellipse, rectangle_corners
 from cpm_core.formats.contours.mask import find_outlines
-from cpm_core.numerics.polyline import points_inside
+from cpm_core.numerics.polyline import find_holes, points_inside
 from cpm_core.numerics.types import Array, JsonDict, Position
 
 _UNNAMED_LABEL = "contour"
@@ -142,7 +142,7 @@ def read_labelme(content: JsonDict) -> CollectedContours:
         elif kind in _CLOSED_SHAPES:
             curves = _split_rings(_CLOSED_SHAPES[kind](corners))
             if shape.get("group_id") is None:
-                found.add_object(mark_holes(curves), **known)
+                found.add_object(zip(curves, find_holes(curves), strict=True), **known)
             else:
                 grouped.setdefault((shape["group_id"], name), (known, []))[1].extend(curves)
         elif kind in _OPEN_SHAPES:
@@ -150,7 +150,7 @@ def read_labelme(content: JsonDict) -> CollectedContours:
         else:
             found.omissions[f"shape of the kind {kind}"] += 1
     for known, curves in grouped.values():
-        found.add_object(mark_holes(curves), **known)
+        found.add_object(zip(curves, find_holes(curves), strict=True), **known)
     return found
 
 

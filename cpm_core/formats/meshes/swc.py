@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy
 
+from cpm_core.contours.graph import Graph
 from cpm_core.formats.common.content import AnySource, find_local_file, read_content
 from cpm_core.formats.common.provenance import PROGRAM_NAME, describe_image_provenance, dump_provenance
 from cpm_core.formats.images.resolution import ascii_unit
@@ -169,22 +170,10 @@ def _parse_rows(text: str, name: str) -> Array:
 
 def _trace_branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[CenterlineBranch]:
     """Trace the chains of links between points where other than two meet; rings begin at any point."""
-    neighbors: dict[int, list[int]] = {}
-    for a, b in links:
-        neighbors.setdefault(a, []).append(b)
-        neighbors.setdefault(b, []).append(a)
-    open_links = {frozenset(link) for link in links}
-    nodes = [point for point, others in neighbors.items() if len(others) != 2]
+    ways = Graph(points, np.array(links, np.int64)).find_paths()
     branches = []
-    for start in (*nodes, *neighbors):
-        for first in neighbors[start]:
-            if frozenset((start, first)) not in open_links:
-                continue
-            chain = [start, first]
-            open_links.remove(frozenset((start, first)))
-            while len(neighbors[chain[-1]]) == 2 and chain[-1] != start:
-                one, other = neighbors[chain[-1]]
-                chain.append(other if one == chain[-2] else one)
-                open_links.discard(frozenset(chain[-2:]))
-            branches.append(CenterlineBranch(points[chain], radii[chain], (chain[0], chain[-1])))
+    for way, closed in enumerate(ways.closed.tolist()):
+        chain = ways.path_vertices(way)
+        chain = np.append(chain, chain[:closed])
+        branches.append(CenterlineBranch(points[chain], radii[chain], (int(chain[0]), int(chain[-1]))))
     return branches

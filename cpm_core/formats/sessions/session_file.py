@@ -235,23 +235,21 @@ def decode_session(content: bytes, name: str) -> SessionFile:
     plain = _parse_session(content, name)
     notes: list[str] = []
 
-    def read_optional(key: str, words: str, read: Callable[[Any], Entry], otherwise: Entry) -> Entry:
+    def read_optional(key: str, words: str, read: Callable[[Any, str], Entry], otherwise: Entry) -> Entry:
         """Read an optional entry; if it is damaged, it is left out with a note."""
         try:
-            return read(plain[key]) if plain.get(key) is not None else otherwise
+            return read(plain[key], key) if plain.get(key) is not None else otherwise
         except (ValueError, TypeError, KeyError) as error:
             notes.append(f"The {words} left out: {error}")
             return otherwise
-
-    def read_list(key: str, what: str, read: Callable[[object, str], Entry]) -> tuple[Entry, ...]:
-        return tuple(read(one, f"{what} {at}") for at, one in enumerate(expect_list(plain.get(key, []), key), start=1))
 
     try:
         parameters, unknown = parameters_from_json(plain.get("parameters", {}))
         if unknown:
             notes.append(f"Parameters that are not known here were left out: {quote_value(', '.join(unknown))}.")
         image = None if plain.get("image") is None else from_json(ImageFile, plain["image"], "image")
-        shapes = read_list("shapes", "shape", shape_from_json)
+        drawn = enumerate(expect_list(plain.get("shapes", []), "shapes"), start=1)
+        shapes = tuple(shape_from_json(one, f"shape {number}") for number, one in drawn)
         check_axes(shapes, image.shape if image else ())
         return SessionFile(
             image=image,
@@ -264,12 +262,10 @@ def decode_session(content: bytes, name: str) -> SessionFile:
             extra=_expect_finite_entries(
                 {key: value for key, value in plain.items() if key not in _KNOWN_ENTRIES}, "the session"
             ),
-            runs=read_optional("runs", "recorded runs were", partial(_expect_finite_entries, where="runs"), {}),
-            truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile, where="truth"), None),
-            second=read_optional("second", "second image was", partial(from_json, ImageFile, where="second"), None),
-            pages=read_optional(
-                "pages", "other pages of the stack were", partial(_expect_finite_entries, where="pages"), {}
-            ),
+            runs=read_optional("runs", "recorded runs were", _expect_finite_entries, {}),
+            truth=read_optional("truth", "ground truth was", partial(from_json, TruthFile), None),
+            second=read_optional("second", "second image was", partial(from_json, ImageFile), None),
+            pages=read_optional("pages", "other pages of the stack were", _expect_finite_entries, {}),
             notes=tuple(notes),
         )
     except ValueError as error:

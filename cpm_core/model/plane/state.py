@@ -8,9 +8,9 @@ from typing import Self
 
 import numpy as np
 
-from cpm_core.field.placed_charges import CHARGE_REACH, charges_at_scale
+from cpm_core.field.placed_charges import CHARGE_REACH
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import shape_at_scale, to_image, to_scale
+from cpm_core.image.pyramid import shape_at_scale, to_image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import (
     COVERAGE_CELL,
@@ -93,11 +93,11 @@ class PlaneState(State):
     @property
     def placed(self) -> Array:
         """Position of each placed charge [px of the window], and its strength; shape (K, 3)."""
-        return charges_at_scale(self.charges, self.scale, self.shape) - (*self.corner, 0.0)
+        return super().placed - (*self.corner, 0.0)
 
     def to_particle_places(self, places: Array) -> Array:
         """Return positions of the image [px], shape (M, 2), in px of the window."""
-        return to_scale(places, self.scale, self.shape) - self.corner
+        return super().to_particle_places(places) - self.corner
 
     def list_arrays(self) -> list[Numbers]:
         """Return the arrays that keeping this state costs; see `State.list_arrays`."""

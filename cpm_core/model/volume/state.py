@@ -7,10 +7,10 @@ from typing import Self
 
 import numpy as np
 
-from cpm_core.field.placed_charges import charge_radius_at, charges_at_scale, near_charges
+from cpm_core.field.placed_charges import charge_radius_at, near_charges
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import to_image, to_scale
+from cpm_core.image.pyramid import to_image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import SurfaceCoverage, no_surface_coverage
 from cpm_core.model.state import Particles, State
@@ -102,11 +102,11 @@ class VolumeState(State):
     @property
     def placed(self) -> Array:
         """Position of each placed charge [units of the scale], and its strength; shape (K, 4)."""
-        return charges_at_scale(self.charges, self.scale, self.shape) * (*self.pitch, 1.0)
+        return super().placed * (*self.pitch, 1.0)
 
     def to_particle_places(self, places: Array) -> Array:
         """Return positions of the volume [voxels], shape (M, 3), in units of the scale."""
-        return to_scale(places, self.scale, self.shape) * self.pitch
+        return super().to_particle_places(places) * self.pitch
 
     def list_arrays(self) -> list[Numbers]:
         """Return the arrays that keeping this state costs; see `State.list_arrays`."""

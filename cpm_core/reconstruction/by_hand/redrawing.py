@@ -38,7 +38,7 @@ class CurvePlace:
     @classmethod
     def from_nearest_place(cls, curve: Curve, place: Position) -> CurvePlace:
         """Return the place of a curve that is nearest to another place."""
-        return cls(curve, polyline.project_point(curve.path, place)[0])
+        return cls(curve, polyline.project_point(curve.path, place))
 
     @property
     def place(self) -> Position:

@@ -10,6 +10,7 @@ from cpm_core.formats.common.json_values import shape_from_json, shape_to_json
 from cpm_core.model.volume.starts import volume_edge_strength
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import BoxGrid, BoxThreshold, Threshold
+from cpm_core.shapes.document_shapes import compute_seeds
 from cpm_core.shapes.image_starts import SeedCache
 
 corners = st.tuples(*[st.floats(0, 40)] * 3)
@@ -46,10 +47,10 @@ def test_a_threshold_takes_the_voxels_above_a_fraction_of_the_strongest_in_its_b
 
 def test_areas_of_images_and_boxes_of_volumes_are_not_taken_for_each_other():
     corners = ((0.0, 0.0), (0.0, 9.0), (9.0, 9.0))
-    with pytest.raises(ValueError, match="this threshold is for images, but ball is a volume"):
-        SeedCache(example("ball")).seeds_for([Threshold(corners)], 1.0)
-    with pytest.raises(ValueError, match="this threshold is for volumes, but disk is an image"):
-        SeedCache(example("disk")).seeds_for([BoxThreshold((0, 0, 0), (9, 9, 9))], 1.0)
+    with pytest.raises(ValueError, match="is for images, but ball is taken as a volume"):
+        compute_seeds(example("ball"), [Threshold(corners)], 1.0)
+    with pytest.raises(ValueError, match="is for volumes, but disk is taken as an image"):
+        compute_seeds(example("disk"), [BoxThreshold((0, 0, 0), (9, 9, 9))], 1.0)
 
 
 @pytest.mark.parametrize("sides", [(1.0, 1.0, 1.0), (3.0, 1.0, 1.0)])
