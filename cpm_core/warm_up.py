@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ from cpm_core.numerics.types import Callback
 from cpm_core.objects.boundaries.crossings import find_crossings
 from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.partition import Partition
+from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.reconstruction import find_contours
 from cpm_core.results.result import Result
@@ -112,6 +113,13 @@ def volume_once() -> None:
     engine.energies(state, parameters, _CHARGES_IN_VOLUME)
 
 
+@cache
+def bodies_once() -> None:
+    """Run the kernels of clicks in a volume, the first one and one that corrects it."""
+    cut = VolumePartition(Image(100.0 * (np.linalg.norm(np.indices((20, 20, 20)) - 9.5, axis=0) < 5.0)))
+    cut.select([(9.5, 9.5, 9.5)], [(1.0, 1.0, 1.0)])
+
+
 def _contours() -> Result:
     """Contours of particles that lie on the edge of the disk."""
     engine = Engine(_IMAGE, _TWO_SCALES)
@@ -169,7 +177,8 @@ def warm_up_runs(canceled: Callable[[], bool], on_progress: Callable[[float], ob
 def warm_up_volumes(
     canceled: Callable[[], bool] = _never, on_progress: Callable[[float], object] | None = None
 ) -> None:
-    """Prepare what a run in a volume needs."""
+    """Prepare what a run in a volume needs; a thread prepares clicks in it meanwhile."""
+    threading.Thread(target=warm_up, args=(canceled,), kwargs={"parts": (bodies_once,)}, name="cpm-compile").start()
     warm_up(canceled, on_progress, VOLUMES)
 
 

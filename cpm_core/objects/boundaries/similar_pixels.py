@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from cpm_core.numerics.grids import bounding_window, expand_window
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, Single
 
 _MIN_CONTRAST_RATIO = 0.4
 """Least contrast of a similar gray level with the surroundings, in contrasts of the object."""
@@ -27,7 +27,7 @@ def measure_radius(mask: Mask, sides: Array) -> float:
     return float(np.sqrt(size / np.pi) if mask.ndim == 2 else np.cbrt(0.75 * size / np.pi))
 
 
-def find_similar_pixels(values: Array, mask: Mask, interest: Mask, sides: Array | None = None) -> Mask:
+def find_similar_pixels(values: Array | Single, mask: Mask, interest: Mask, sides: Array | None = None) -> Mask:
     """Find the pixels of interest whose gray level is similar to that of an object, all of the shape of `values`.
 
     Returns them and the object, without small holes. `sides` are those of a voxel, the smallest being 1.

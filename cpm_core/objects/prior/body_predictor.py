@@ -13,16 +13,16 @@ from functools import cached_property, lru_cache
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import compute_iou
+from cpm_core.numerics.grids import compute_iou, true_bounds
 from cpm_core.numerics.parallel import map_in_parallel
 from cpm_core.numerics.types import Array, Single, record
-from cpm_core.objects.prior.body_corrections import correct_in_crop, find_part_at_necks
+from cpm_core.objects.prior.body_corrections import correct_in_crop, find_part_at_necks, lies_at_boundary
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction, is_different_body
 from cpm_core.objects.prior.crop_search import agrees_in_slices, crop_closely, rank_crop_sizes
 from cpm_core.objects.prior.crops import CROP_SIDE, Crop3D, VolumeSampler
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
 from cpm_core.objects.prior.network import Network, load_trained_network
-from cpm_core.objects.prior.slice_propagation import SLICE_SPACING, propagate_slices
+from cpm_core.objects.prior.slice_propagation import propagate_slices
 from cpm_core.objects.prior.stable_regions import find_stable_regions
 from cpm_core.objects.prior.volume_slices import CropContext
 
@@ -112,12 +112,12 @@ class BodyPredictor:
         `positive` and `negative` are all points so far, shape (M, 3) and (K, 3). A crop whose sides the new body
         touches is widened.
         """
-        crop = self._widen_to_point(body.crop, point)
+        crop = self._widen_to_part(body, point) if adds else body.crop
+        widest = _CROP_WIDENING * (_CROP_WIDENING * crop.side)  # rounded like the side of a crop widened twice
         while True:
             context = self._build_context(crop, positive, negative)
             after = correct_in_crop(body, context, point, adds, self.network)
             wider = self._sampler.widen_crop(crop, _CROP_WIDENING * crop.side)
-            widest = _CROP_WIDENING * (_CROP_WIDENING * body.crop.side)  # rounded like the side of a crop widened twice
             may_widen = adds and crop.side < wider.side <= widest
             if not may_widen or not _touches_crop_sides(after, context):
                 return after
@@ -130,11 +130,15 @@ class BodyPredictor:
         inner_steps = self._sampler.find_inner_steps(crop)
         return CropContext(crop, grays, inner_steps, object_gray, steps, crop.to_crop_steps(negative))
 
-    def _widen_to_point(self, crop: Crop3D, point: Array) -> Crop3D:
-        """Return a crop, widened if a point, shape (3,), lies at its sides or beyond."""
-        away = np.abs(crop.to_crop_steps(point) - CROP_SIDE / 2).max()
-        farthest = CROP_SIDE / 2 - SLICE_SPACING
-        return crop if away <= farthest else self._sampler.widen_crop(crop, crop.side * float(away / farthest))
+    def _widen_to_part(self, body: BodyPrediction, point: Array) -> Crop3D:
+        """Widen the crop of a body to hold a part of the same size around a point, shape (3,), beyond its boundary."""
+        inside = body.logits > 0.0
+        if not inside.any() or lies_at_boundary(body, point):
+            return body.crop
+        low, high = map(body.crop.to_positions, true_bounds(inside))
+        reach = 0.5 * float((high - low).max())
+        crop = Crop3D.from_bounds(np.minimum(low, point - reach), np.maximum(high, point + reach))
+        return self._sampler.widen_crop(crop, crop.side)
 
     @cached_property
     def _sample_crop(self) -> Callable[[Crop3D], Single]:

@@ -6,6 +6,7 @@ import pytest
 import cpm_core as cpm
 from cpm_core.image.region import Region
 from cpm_core.objects import compute_iou
+from cpm_core.objects.boundaries.necks import split_at_clear_necks
 from cpm_core.objects.confidence import BodyFeatures, estimate_body_confidence
 
 SHAPE = (30, 36, 66)
@@ -41,6 +42,18 @@ def test_touching_bodies_are_split_at_their_neck_and_one_alone_keeps_its_surface
 def test_a_body_whose_parts_are_not_convex_stays_whole():
     (found,) = cpm.select_all(partition(torus()))
     assert np.count_nonzero(found.mask != torus()) < 0.02 * np.count_nonzero(torus())
+
+
+@pytest.mark.parametrize("holds", [False, True])
+def test_a_body_is_not_cut_at_its_hollow_and_what_lies_in_it_is_split_off_at_a_narrow_neck(holds):
+    plane, row, col = np.indices((48, 48, 80)) - np.array([23.5, 23.5, 39.5]).reshape(3, 1, 1, 1)
+    away = np.sqrt(plane**2 + row**2 + col**2)
+    body = np.hypot(np.hypot(plane, row), np.maximum(np.abs(col) - 16.0, 0.0)) < 20.0
+    bridge = (np.abs(plane) < 2.0) & (np.abs(row) < 2.0) & (col > 0.0) & (away < 15.0)
+    parts = split_at_clear_necks(body & ~(away < 12.0) | (holds & ((away < 9.0) | bridge)))
+    assert parts.max() == 1 + holds
+    if holds:
+        assert compute_iou(parts == parts[24, 24, 40], away < 9.0) > 0.9
 
 
 def test_a_steady_convex_body_is_likelier_than_a_ragged_speck():

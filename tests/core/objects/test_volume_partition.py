@@ -166,6 +166,23 @@ def test_a_click_in_a_clump_selects_the_body_another_adds_the_next_and_the_clump
     assert _dice(clump.mask, (away < 9.0).any(axis=0)) > 0.75
 
 
+@pytest.mark.parametrize("noise", [3.0, 40.0])
+def test_further_clicks_in_a_scan_add_the_ball_clicked_or_remove_it_and_nothing_else(noise):
+    shape = (72, 72, 72)
+    centers = np.array([(36, 25, 36), (36, 46, 33), (36, 37, 52)], float)
+    away = np.array([_lengths(shape, (1.0,) * 3, center) for center in centers]) - [[[[11.0]]], [[[10.0]]], [[[9.0]]]]
+    balls = (away < 0.0) & (away == away.min(axis=0))
+    skin = 34.0 - _lengths(shape, (1.0,) * 3, np.full(3, 35.5))
+    values = -1000.0 + 900.0 * (skin + 0.5).clip(0.0, 1.0) + 160.0 * (0.5 - away.min(axis=0)).clip(0.0, 1.0)
+    cut = cpm.partition(values + np.random.default_rng(0).normal(0.0, noise, shape))
+    found, held = cut.select(centers[:1]), balls[0]
+    for center, ball in zip(centers[1:], balls[1:], strict=True):
+        found, held = cut.select([center], previous=found), held | ball
+        assert _dice(found.mask, held) > 0.93
+    less = cut.select([], [centers[2] + 1.0], previous=cut.build_selection(Region.from_mask(held), centers[:1]))
+    assert _dice(less.mask, balls[0] | balls[1]) > 0.93
+
+
 def test_a_click_on_a_branch_selects_the_whole_tree_and_another_takes_nothing_away():
     shape = (72, 96, 72)
     ends = np.array([(36, 4, 36), (36, 90, 36), (36, 30, 36), (66, 60, 60), (36, 50, 36), (8, 84, 12)], float)
