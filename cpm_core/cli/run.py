@@ -213,7 +213,7 @@ def _run_image(request: RunRequest) -> int:
             raise ValueError(f"--object is {at} but lies outside the image, which has {format_size(image.shape)}.")
     started = time.perf_counter()
     shapes = request.collect_shapes(image)
-    recorder, regions = RunRecorder(), request.volume_regions
+    recorder = RunRecorder()
     if select_starts(shapes):
         ensure_compiled(volume=request.is_volume)
         with StatusLine() as line:
@@ -229,11 +229,11 @@ def _run_image(request: RunRequest) -> int:
                 session,
                 max_steps=request.max_steps,
                 progress=record_state,
-                regions=regions,
+                regions=request.volume_regions,
             )
     else:  # places in a volume
-        regions = regions or collect_regions(shapes, session.objects.barriers)
-        found = boundaries_in_image(image, Provenance("objects"), regions=regions)
+        limits = request.volume_regions or collect_regions(shapes, session.objects.barriers)
+        found = boundaries_in_image(image, Provenance("objects"), regions=limits)
     result = record_drawn_shapes(found, request.collect_drawn_shapes(image), request.describe_start_files())
     chosen = _select_objects(result, request)
     shown = result if chosen is None else replace_by_objects(result, chosen, session.objects)
@@ -361,7 +361,7 @@ def _describe_surface(result: Result, shown: Result, seconds: float) -> tuple[Js
 
 
 def _describe_run(result: Result, seconds: float) -> Iterator[str]:
-    if not len(result.particles):
+    if not result.steps:  # places in a volume
         return
     yield f"{format_count(len(result.particles), 'particle')}, {format_count(result.steps, 'step')} in {seconds:.2f} s"
     yield f"Stopped: {result.stop_reason}"
