@@ -12,14 +12,14 @@ from pathlib import Path
 from cpm_app.model.document import edits
 from cpm_app.model.document.samples import find_sample_named
 from cpm_app.views.application import make_application
-from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
 from cpm_app.views.main_window import open_window
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QDeadlineTimer, QEventLoop, Qt
 from PySide6.QtGui import QImage
 
-from cpm_core.shapes import Region
+from cpm_core.shapes import PolygonRegion
+from tests.app.reading import treat_as_saved
 
 HERE = Path(__file__).parent
 PATIENCE = 60_000
@@ -45,9 +45,7 @@ def show(window: MainWindow, file: str) -> None:
     """Open a sample."""
     sample = find_sample_named(file)
     assert sample is not None
-    window.get_feature(
-        OpenSaveFeature
-    ).document_file.treat_as_saved()  # nobody is there to be asked whether it is to be saved
+    treat_as_saved(window)  # nobody is there to be asked whether it is to be saved
     session, before = window.session, window.session.store.image_generation
     window.open_image(str(sample.path))
     wait(lambda: session.store.image_generation != before and session.idle and not session.status.busy)
@@ -120,7 +118,7 @@ def main() -> None:
     take(window, "hand_midway")
     run(window)
     take(window, "hand_end")
-    session.edit("draw region", lambda document: edits.add_shape(document, Region(FINGER)))
+    session.edit("draw region", lambda document: edits.add_shape(document, PolygonRegion(FINGER)))
     session.edit("clear", lambda document: edits.delete_shape(document, 0))
     session.edit("everywhere", lambda document: edits.toggle_everywhere(document, "grid"))
     run(window)
@@ -131,7 +129,7 @@ def main() -> None:
     take_in_space(window, "vessels_midway")
     run(window)
     take_in_space(window, "vessels_end")
-    window.get_feature(OpenSaveFeature).document_file.treat_as_saved()
+    treat_as_saved(window)
     window.close()
 
 

@@ -19,7 +19,6 @@ import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.samples import find_sample_named
 from cpm_app.views.features.exchange import ExportFeature
-from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
 from cpm_app.views.panels.parameters import ParametersPanel
 from make_screenshots import Stand, each_in_a_window, wait
@@ -30,6 +29,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractButton, QApplication, QFileDialog, QLineEdit, QStyle, QStyleOptionSlider, QWidget
 
 from cpm_core import Parameters
+from tests.app.reading import treat_as_saved
 
 HERE = Path(__file__).parent
 NONE = Qt.KeyboardModifier.NoModifier
@@ -341,7 +341,7 @@ STARTS: Mapping[str, tuple[tuple[float, float], float]] = {
 def slider(film: Film, name: str, farther: float, nearer: float) -> None:
     """On three images a run rests at the published values; a slider lets its fronts go farther, and back."""
     for file, (center, radius) in STARTS.items():
-        film.window.get_feature(OpenSaveFeature).document_file.treat_as_saved()
+        treat_as_saved(film.window)
         film.stand.open(file)
         film.session.edit(
             "preset", lambda document: edits.apply_preset(document, Parameters(reach=8.0, weakest_edge=0.5))

@@ -19,7 +19,6 @@ from cpm_app.model.document import edits
 from cpm_app.model.document.samples import find_sample_named
 from cpm_app.session.features.comparison import TRUTH_KEY
 from cpm_app.views.application import make_application
-from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
 from cpm_app.views.main_window import open_window
 from cpm_app.views.theme import theme
@@ -30,6 +29,7 @@ from PySide6.QtWidgets import QWidget
 
 from cpm_core.objects.segmented import Click
 from cpm_core.shapes import Barrier, Charge
+from tests.app.reading import treat_as_saved
 
 HERE = Path(__file__).parent
 WIDTH, HEIGHT = 1280, 760
@@ -236,7 +236,7 @@ def each_in_a_window(names: Iterable[str], size: tuple[int, int]) -> Iterator[tu
             stand = Stand(window)
             stand.settle()
             yield name, stand
-            window.get_feature(OpenSaveFeature).document_file.treat_as_saved()
+            treat_as_saved(window)
             window.close()
             window.deleteLater()
 

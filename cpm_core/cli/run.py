@@ -63,7 +63,7 @@ from cpm_core.objects import Selection
 from cpm_core.objects.segmented import select_by_clicks
 from cpm_core.parameters import PRESETS, Parameters, Provenance
 from cpm_core.parameters.formatting import format_count, format_size
-from cpm_core.results import FoundObjects, boundaries_result, replace_by_objects
+from cpm_core.results import FoundObjects, boundaries_in_image, replace_by_objects
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import find_seeded_methods
 from cpm_core.segmentation.select import partition
@@ -213,16 +213,15 @@ def _run_image(request: RunRequest) -> int:
             raise ValueError(f"--object is {at} but lies outside the image, which has {format_size(image.shape)}.")
     started = time.perf_counter()
     shapes = request.collect_shapes(image)
-    ensure_compiled(volume=request.is_volume)
     recorder = RunRecorder()
-    with StatusLine() as line:
+    if select_starts(shapes):
+        ensure_compiled(volume=request.is_volume)
+        with StatusLine() as line:
 
-        def record_state(state: State) -> None:
-            recorder(state)
-            line.show_state(state)
+            def record_state(state: State) -> None:
+                recorder(state)
+                line.show_state(state)
 
-        regions = request.volume_regions
-        if select_starts(shapes):
             found = segment_shapes(
                 image,
                 shapes,
@@ -230,18 +229,11 @@ def _run_image(request: RunRequest) -> int:
                 session,
                 max_steps=request.max_steps,
                 progress=record_state,
-                regions=regions,
+                regions=request.volume_regions,
             )
-        else:  # places in a volume
-            found = boundaries_result(
-                image.shape,
-                image.source,
-                image.spacing,
-                image.unit,
-                image=image,
-                regions=regions or collect_regions(shapes, session.objects.barriers),
-                provenance=Provenance("objects", sha256=image.sha256, of_file=bool(image.file_sha256)),
-            )
+    else:  # places in a volume
+        limits = request.volume_regions or collect_regions(shapes, session.objects.barriers)
+        found = boundaries_in_image(image, Provenance("objects"), regions=limits)
     result = record_drawn_shapes(found, request.collect_drawn_shapes(image), request.describe_start_files())
     chosen = _select_objects(result, request)
     shown = result if chosen is None else replace_by_objects(result, chosen, session.objects)
@@ -369,7 +361,7 @@ def _describe_surface(result: Result, shown: Result, seconds: float) -> tuple[Js
 
 
 def _describe_run(result: Result, seconds: float) -> Iterator[str]:
-    if not len(result.particles):
+    if not result.steps:  # places in a volume
         return
     yield f"{format_count(len(result.particles), 'particle')}, {format_count(result.steps, 'step')} in {seconds:.2f} s"
     yield f"Stopped: {result.stop_reason}"

@@ -35,6 +35,14 @@ def test_run_tells_a_person_what_it_found_and_wrote(disk, command, tmp_path):
     assert f"Wrote {tmp_path / 'a.svg'}\n" in out
 
 
+def test_a_run_that_ends_without_particles_says_why(disk, command, tmp_path):
+    (tmp_path / "corner.csv").write_text("0,0\n0.5,0.2\n")
+    method = ("--method", "published", "--time-step", "1")
+    status, out, _ = command("run", disk, *method, "--points", tmp_path / "corner.csv")
+    assert status == 0
+    assert "0 particles, 1 step" in out and "Stopped: all particles left the image" in out
+
+
 @pytest.fixture
 def cut(tmp_path):
     """Path of an image of a bright disk that the upper border cuts."""

@@ -50,6 +50,12 @@ def test_an_object_that_a_place_lies_in_is_written_alone_and_compared_with_label
     assert (status, err.startswith("cpm: plane.npy ")) == (2, True)
 
 
+def test_a_click_without_a_start_compiles_nothing_of_a_run(folder, told, monkeypatch):
+    monkeypatch.setattr("cpm_core.cli.run.ensure_compiled", lambda **_: pytest.fail("nothing runs"))
+    facts = told("run", folder / "ball.npy", "--volume", "--object", "9.5,9.5,9.5")
+    assert facts["steps"] == 0 and facts["volume"] > 0.0
+
+
 def test_the_plane_that_is_taken_of_a_volume_is_named_whatever_the_kind_of_file(folder, command):
     volume = np.load(folder / "ball.npy")
     axes = {"axes": "ZYX", "spacing": 2.0, "unit": "um"}

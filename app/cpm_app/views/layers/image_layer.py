@@ -256,7 +256,7 @@ class ImageLayer(Layer):
         image = self.find_channel_image(channel)
         if channel == self.open_channel:
             self.set_option("range", way)
-        elif image is not None:
+        elif image is not None and way != MANUAL_RANGE:  # in which it is already
             self.set_look(channel, range=way, window=_find_range(image, way))
 
     def _choose_looks(self) -> None:

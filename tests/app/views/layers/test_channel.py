@@ -59,3 +59,10 @@ def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand
     hand.wait(lambda: hand.color_at(30.0, 60.0)[1] > 200)
     layer.set_option("content", "colors")
     assert hand.color_at(30.0, 20.0) == (220, 60, 60)
+
+
+def test_the_option_is_restored_by_its_name_in_older_sessions(colored, hand) -> None:
+    layer = hand.canvas.layers["image"]
+    for shown in ("channel", "colors"):
+        layer.use_view_state({"shown": shown, "opacity": 1.0})
+        assert layer.get_choice("content") == shown and layer.shown

@@ -327,3 +327,11 @@ def test_the_menu_of_a_channel_has_its_range(window, hand, tmp_path) -> None:
     assert layer(window).get_choice("range") == "5" and layer(window).channel_range(1) == "5"
     choose_in_menu(window, hand, 1, "All gray values")
     assert colors(hand)[1] == (0, 128, 0)
+
+
+def test_a_channel_keeps_its_range_by_hand_as_it_is_chosen_again(composite, hand) -> None:
+    layer(composite).set_window(0.0, 2.0 * SHADES[0])
+    choose(composite, hand, 1)
+    before = colors(hand)
+    choose_in_menu(composite, hand, 0, "By hand")
+    assert colors(hand) == before and layer(composite).channel_range(0) == "hand"
