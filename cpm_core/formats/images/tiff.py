@@ -147,7 +147,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
         (depth or row, row, col),
         unit,
         notes=(*notes, *calibrated),
-        volume_notes=() if depth or unit is None else untold,
+        volume_notes=() if depth or unit is None or pages.shape[2] == 1 else untold,
         plane_word="page",
         series=names,
         series_number=number,

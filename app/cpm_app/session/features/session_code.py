@@ -78,6 +78,8 @@ def _find_code(
     shown = next((each for each in offered if each.clicks == objects.clicks), None)
     if shown is not None and shown.selection.has_boundary:  # the object that is being selected
         items.append(shown.proposed_object)
+    if objects.rejected and not items:  # of what the run proposes, what is left
+        items = [each.proposed_object for each in offered]
     for session, file, of_run in _list_runs(document, saved):
         if not items:
             return SessionCode(session, file=file)

@@ -129,6 +129,20 @@ def test_objects_that_were_picked_of_those_of_a_run_and_one_of_another_size_are_
     check_both(hand, tmp_path, tuple(shown))
 
 
+def test_proposals_that_were_rejected_are_left_out(ready, hand, tmp_path) -> None:
+    selection = ready.workspace.object_selection
+    ready.actions_by_name["mode_automatic"].trigger()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and len(selection.proposals) == 3)
+    first, _, last = (each.selection for each in selection.proposals)
+    ready.workspace.object_list.select_objects([selection.proposals[1].key])
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: selection.idle and len(selection.proposals) == 2)
+    check_both(hand, tmp_path, (first, last))
+
+
 def test_what_was_drawn_by_hand_is_taken_from_the_saved_session(window, hand, tmp_path) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_J)

@@ -82,6 +82,16 @@ def run_all(window, hand) -> None:
     settled(window, hand)
 
 
+def test_nothing_is_said_of_the_first_page_on_the_way_back_to_it(stack, hand) -> None:
+    messages = stack.canvas_area.messages
+    assert messages.text == "Only the first of its 5 pages was taken."
+    go(stack, hand, Qt.Key.Key_PageDown, 2)
+    assert "first of its" not in messages.text
+    go(stack, hand, Qt.Key.Key_PageUp, 1)
+    assert "first of its" not in messages.text
+    assert stack.session.document.image.reading.page is None  # as in sessions and commands
+
+
 def test_all_pages_are_written_in_several_formats_at_once(stack, hand, tmp_path) -> None:
     run_all(stack, hand)
     labels, table = export(hand.qtbot, stack, tmp_path, "pages:.tif", "pages:.measures.csv")

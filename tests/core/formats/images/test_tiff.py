@@ -5,6 +5,7 @@ import pytest
 import tifffile
 
 from cpm_core.formats import load_image, load_pages
+from cpm_core.formats.images.readers import open_stack
 
 RAMP = np.arange(12 * 20).reshape(12, 20)
 
@@ -125,6 +126,13 @@ def test_imagej_tells_the_size_of_a_pixel(tmp_path, unit):
     image = load_image(tmp_path / "a.tif")
     assert image.spacing == pytest.approx((0.5, 0.25))
     assert image.unit == "µm"
+
+
+@pytest.mark.parametrize(("axes", "asked"), [("CYX", False), ("TYX", False), ("ZYX", True)])
+def test_only_several_planes_need_a_distance(tmp_path, axes, asked):
+    stack = np.stack([RAMP.astype(np.uint16)] * 3)
+    tifffile.imwrite(tmp_path / "a.tif", stack, imagej=True, resolution=(4, 4), metadata={"axes": axes, "unit": "um"})
+    assert bool(open_stack(tmp_path / "a.tif").volume_notes) == asked
 
 
 def test_ome_tells_the_size_of_a_pixel(tmp_path):
