@@ -32,8 +32,11 @@ _BOUNDARY_TOLERANCE = 1.5
 _PART_SIGMA = 1.5
 """Sigma of the Gaussian over logits among which a part is looked for, so that noise makes no necks [steps]."""
 
-_MIN_ADDED_STRENGTH = 0.5
-"""Least edge strength around an added part, as a fraction of that along the boundary of the body."""
+_MIN_STRENGTH_RATIO = 0.5
+"""Least ratio of the edge strengths around an added part and along the boundary of the body, weaker to stronger.
+
+A body that was painted off the edges says nothing about the parts that it lacks.
+"""
 
 _MIN_PART_SOLIDITY = 0.8
 """Least volume of a part between necks, in volumes of its convex hull."""
@@ -74,7 +77,7 @@ def lies_at_boundary(body: BodyPrediction, point: Array) -> bool:
 def _find_similar_part(body: BodyPrediction, context: CropContext, point: Array) -> Single | None:
     """Find the part that contrasts with the surroundings as a body does and holds a point, up to its necks.
 
-    Returns logits, or None unless the boundary of the new part is about as strong as that of the body.
+    Returns logits, or None unless the boundaries of the new part and of the body are about as strong.
     """
     inside, within = body.logits > 0.0, np.zeros(body.logits.shape, np.bool_)
     if not inside.any():
@@ -94,7 +97,10 @@ def _find_similar_part(body: BodyPrediction, context: CropContext, point: Array)
     new, before = (average_blocks(mask.astype(np.float32), 2) > 0.5 for mask in (added, inside))
     along = scipy.ndimage.binary_dilation(new) & ~new & ~scipy.ndimage.binary_dilation(before, iterations=2)
     around = before & ~scipy.ndimage.binary_erosion(before)
-    if not along.any() or not around.any() or np.median(edges[along]) < _MIN_ADDED_STRENGTH * np.median(edges[around]):
+    if not along.any() or not around.any():
+        return None
+    new_strength, strength = (float(np.median(edges[where])) for where in (along, around))
+    if min(new_strength, strength) < _MIN_STRENGTH_RATIO * max(new_strength, strength):
         return None
     return np.where(added, logits, np.float32(-MAX_LOGIT))
 
