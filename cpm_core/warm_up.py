@@ -171,15 +171,20 @@ def warm_up_runs(canceled: Callable[[], bool], on_progress: Callable[[float], ob
     """Prepare what a run on an image begins with; a thread prepares the rest while the program is used."""
     begin, *others = FIRST
     warm_up(canceled, on_progress, (begin,))
-    threading.Thread(target=warm_up, args=(canceled,), kwargs={"parts": (*others, *LATER)}, name="cpm-compile").start()
+    _warm_up_meanwhile(canceled, (*others, *LATER))
 
 
 def warm_up_volumes(
     canceled: Callable[[], bool] = _never, on_progress: Callable[[float], object] | None = None
 ) -> None:
     """Prepare what a run in a volume needs; a thread prepares clicks in it meanwhile."""
-    threading.Thread(target=warm_up, args=(canceled,), kwargs={"parts": (bodies_once,)}, name="cpm-compile").start()
+    _warm_up_meanwhile(canceled, (bodies_once,))
     warm_up(canceled, on_progress, VOLUMES)
+
+
+def _warm_up_meanwhile(canceled: Callable[[], bool], parts: Sequence[Part]) -> None:
+    """Start a thread that prepares some parts while the program is used."""
+    threading.Thread(target=warm_up, args=(canceled,), kwargs={"parts": parts}, name="cpm-compile").start()
 
 
 def is_compiled(*, volume: bool = False) -> bool:

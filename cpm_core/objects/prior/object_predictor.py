@@ -383,7 +383,9 @@ def _choose_distinct(answers: Iterable[CropPrediction]) -> list[CropPrediction]:
             answer.has_object() and all(answer.compute_iou_with(one) <= SAME_OBJECT_IOU for one in distinct)
         ):
             distinct.append(answer)
-    return distinct[:MAX_PREDICTIONS]
+        if len(distinct) == MAX_PREDICTIONS:
+            break
+    return distinct
 
 
 def put_surroundings_last(ranked: Iterable[Prediction], prompt: Prompt) -> Iterator[Prediction]:
