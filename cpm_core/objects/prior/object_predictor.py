@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 
 from cpm_core.numerics.grids import compute_iou, true_bounds
+from cpm_core.numerics.parallel import map_in_parallel
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.objects.prior.crops import (
     CROP_SIZE_RATIO,
@@ -253,16 +254,20 @@ class ObjectPredictor:
         def score(answer: CropPrediction) -> float:
             return answer.compute_score(known_area, prompt.drawn_area)
 
-        answers = [self._predict_crop(window, prompt, None) for window in self._propose_crops(prompt)]
+        def refine(answer: CropPrediction) -> tuple[Prediction, CropPrediction]:
+            agreement = max((answer.compute_iou_with(one) for one in answers if one is not answer), default=1.0)
+            return self._refine_prediction(answer, prompt, agreement, 0)
+
+        answers = map_in_parallel(
+            lambda window: self._predict_crop(window, prompt, None), [*self._propose_crops(prompt)]
+        )
         answers.sort(key=score, reverse=True)
         distinct = _choose_distinct(answers)
         close = sum(score(answer) > score(distinct[0]) - _CLOSE_SCORE for answer in distinct)
         cut: list[Prediction] = []
         for group in (distinct[:close], *([answer] for answer in distinct[close:])):
             refined: list[tuple[float, Prediction]] = []
-            for answer in group:
-                agreement = max((answer.compute_iou_with(one) for one in answers if one is not answer), default=1.0)
-                found, last = self._refine_prediction(answer, prompt, agreement, 0)
+            for answer, (found, last) in zip(group, map_in_parallel(refine, group), strict=True):
                 if last.is_cut(self.values.shape[:2]):
                     cut.append(found)
                 else:
