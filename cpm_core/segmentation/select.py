@@ -25,7 +25,7 @@ from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 
 EVERYWHERE_PARAMETERS = Parameters(smoothing=1.5)
-"""Parameters of the run from everywhere that finds the contours of an image."""
+"""Parameters of the run from everywhere whose contours guide outlines: also the faintest edges do."""
 
 
 def partition(
@@ -39,7 +39,8 @@ def partition(
         An image, in which a run from everywhere finds the contours; a volume, which needs no run; or the result of a
         run.
     parameters : Parameters or str, optional
-        Parameters of the run on an image.
+        Parameters of the run on an image. Unless they are given, contours follow also the faintest edges, so that
+        outlines do.
     model : str, optional
         The larger model that answers prompts on an image in place of the network: one of `MODELS`, once `fetch_model`
         has fetched it, or a folder with the ONNX files of an encoder and a decoder. In a volume the address of a server
@@ -67,14 +68,14 @@ def partition(
         return Partition.from_result(values, model) if image.ndim == 2 else VolumePartition.from_result(values, model)
     if image.ndim == 3:
         return VolumePartition(image, model=model)
-    return Partition.from_result(_run_everywhere(image, parameters), model)
+    given = EVERYWHERE_PARAMETERS if parameters is None else parameters
+    return Partition.from_result(_run_everywhere(image, given), model)
 
 
 def _run_everywhere(image: Image, parameters: Parameters | str | None = None) -> Result:
-    """Find the contours of an image, or the surface in a volume, by a run from everywhere."""
-    if image.ndim == 3:
-        return segment(image, seeds_everywhere(image), choose_parameters(parameters, PRESETS["volume"]))
-    return segment(image, uniform_grid(image.shape), choose_parameters(parameters, EVERYWHERE_PARAMETERS))
+    """Run from everywhere in an image or a volume, by the preset for that unless parameters are given."""
+    seeds, preset = (uniform_grid(image.shape), "automatic") if image.ndim == 2 else (seeds_everywhere(image), "volume")
+    return segment(image, seeds, choose_parameters(parameters, PRESETS[preset]))
 
 
 def select(
@@ -117,10 +118,7 @@ def select(
     """
     check_model(model, ndim=2)
     image = as_plane(values)
-    if prior:
-        cut = Partition(image, (), model=model)
-    else:
-        cut = replace(Partition.from_result(_run_everywhere(image)), uses_network=False)
+    cut = Partition(image, (), model=model) if prior else replace(partition(image), uses_network=False)
     places = np.concatenate([as_positions(given, 2) for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
@@ -138,12 +136,12 @@ def select_all(
     ----------
     values : array_like, shape (H, W) or (P, H, W), or Image, or Result, or Partition, or VolumePartition
         An image or a volume, in which a run from everywhere finds contours or a surface; the result of a run, whose
-        `Result.objects` are selected; or a partition.
+        `Result.objects` are selected; or a partition, with the contours that it has.
     like : sequence of Selection
         Some of them. Without any, the network evaluates what contours bound, alone, together or with gaps: the likely
         objects are selected; in a volume the bodies that the surface encloses, split at necks.
     parameters : Parameters or str, optional
-        Parameters of the run from everywhere.
+        Parameters of the run from everywhere, else the preset ``"automatic"``, or ``"volume"``, as in the window.
     min_confidence : float
         Least `Selection.confidence` of an object, from 0 to 1.
 

@@ -8,9 +8,12 @@ import scipy
 
 from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
+from cpm_core.model.starts import uniform_grid
 from cpm_core.objects import compute_iou
 from cpm_core.objects.candidate_regions import CandidateRegions
 from cpm_core.objects.confidence import estimate_among_siblings
+from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.select import select_all
 
 ROW, COL = np.indices((120, 130)).astype(float)
@@ -82,9 +85,15 @@ def test_the_border_of_a_region_of_interest_bounds_no_object():
     assert everywhere.may_be_object(Region.from_mask(np.ones(ROW.shape, bool)))  # of the image, another rule
 
 
+def test_all_objects_of_an_image_are_those_of_a_run_from_everywhere_in_it():
+    values = picture(np.where(LINES, 60.0, 170.0))
+    run = segment(values, uniform_grid(values.shape), PRESETS["automatic"])
+    assert [one.region for one in select_all(values)] == [one.region for one in run.objects]
+
+
 def test_a_grain_is_an_object_where_only_steps_of_gray_bound_it_and_some_are_faint():
     levels = np.random.default_rng(4).permutation(np.linspace(60.0, 200.0, 12))
-    found = select_all(picture(levels[GRAINS]))
+    found = select_all(picture(levels[GRAINS]), parameters=Parameters(smoothing=1.5))
     overlaps = best_overlaps(found, [number == GRAINS for number in range(12)])
     assert np.count_nonzero(np.array(overlaps) > 0.8) >= 10
     assert not any((one.mask & other.mask).any() for one, other in itertools.combinations(found, 2))
