@@ -16,7 +16,6 @@ from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.objects.boundaries.crossings import find_crossings
 from cpm_core.objects.merged_basins import MIN_OBJECT_AREA, MergedBasins
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
 
 _MIN_GAP_DEPTH = 0.75
 """How much deeper parts are than the gap between them [px]."""
@@ -35,9 +34,6 @@ _MIN_VISIBLE_CONTOUR_SHARE = 0.3
 
 _DEPTH_BLUR_REACH = 4.0
 """Distance up to which other pixels influence the smoothed distance of a pixel from the contours [px]."""
-
-_MIN_GRAY_SPAN = 1e-6
-"""Least difference between white and black."""
 
 _CONTEXT_LENGTHS = 0.75
 """Distance from the middle of an object up to which the network sees its surroundings, in object lengths."""
@@ -131,19 +127,12 @@ class ImageParts:
         parent = self.partition.parent
         return edge_map(self.partition.values, "auto" if parent is None else parent.smoothing)
 
-    @cached_property
-    def gray_span(self) -> float:
-        """Difference of the gray levels that are black and white for the network."""
-        parent, values = self.partition.parent, self.partition.values
-        step = find_sample_step(values.shape)
-        low, high = measure_gray_range(values[::step, ::step]) if parent is None else parent.gray_range
-        return max(high - low, _MIN_GRAY_SPAN)
-
     @property
     def merged_masks(self) -> Iterator[tuple[Window, Mask]]:
         """What merged basins may be objects and would be the same in a larger image: boxes, and pixels there."""
-        basins = MergedBasins.from_edges(self.edge_strength, running_maximum(self.lines, 1), self.gray_span)
-        for box, mask in basins.find_regions(self.partition.values, self.gray_span):
+        values, span = self.partition.values, self.partition.gray_span
+        basins = MergedBasins.from_edges(self.edge_strength, running_maximum(self.lines, 1), span)
+        for box, mask in basins.find_regions(values, span):
             if self._is_seen_whole(box):
                 yield box, mask
 

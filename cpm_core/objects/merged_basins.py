@@ -7,7 +7,7 @@ one from which the other is parted least, so that what merges depends on what is
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -164,10 +164,20 @@ class MergedBasins:
         *weights, offset = load_weights("merged_basins.json", "numbers")
         features = self.encode_nodes(values, gray_span)
         likely = self.find_likely(features @ np.array(weights) + offset)
-        likely = likely[features[likely, _BORDER_SHARE] <= _MAX_BORDER_SHARE]
+        yield from self._cut_out(likely[features[likely, _BORDER_SHARE] <= _MAX_BORDER_SHARE].tolist())
+
+    def find_regions_around(self, pixel: tuple[int, int]) -> Iterator[tuple[Window, Mask]]:
+        """Find the nodes that hold a pixel and may be objects, the smallest first: boxes and pixels there."""
+        nodes = [int(self.labels[pixel])]
+        while self.parent[nodes[-1]]:
+            nodes.append(int(self.parent[nodes[-1]]))
+        yield from self._cut_out(node for node in nodes if self.area[node] >= MIN_OBJECT_AREA)
+
+    def _cut_out(self, nodes: Iterable[int]) -> Iterator[tuple[Window, Mask]]:
+        """Cut out nodes: yield the box of each, and its pixels there."""
         first, end = self._order_basins()
         place, boxes = first[self.labels], self._find_boxes()
-        for node in likely.tolist():
+        for node in nodes:
             box = tuple(slice(*side) for side in boxes[node].tolist())
             yield box, (first[node] <= place[box]) & (place[box] < end[node])
 

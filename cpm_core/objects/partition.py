@@ -7,7 +7,7 @@ network answers that has learned from outlined images (`uses_network`).
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 
@@ -26,7 +26,14 @@ from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.numerics import polyline
-from cpm_core.numerics.grids import label_parts, nearest_pixels, true_bounds
+from cpm_core.numerics.grids import (
+    expand_window,
+    first_pixel,
+    label_parts,
+    nearest_pixels,
+    running_maximum,
+    true_bounds,
+)
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Extent, Index, Mask, frozen, record
 from cpm_core.objects.boundaries.boundary_guides import BoundaryGuides, build_boundary_guides
@@ -36,7 +43,9 @@ from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
 from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
+from cpm_core.objects.merged_basins import MergedBasins
 from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
+from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
 from cpm_core.objects.prior.larger_models import check_model, model_title
 from cpm_core.objects.prior.model_predictor import ModelPredictor
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Predictor, Prompt
@@ -65,11 +74,23 @@ _MAX_CANDIDATES = 6
 _MAX_CLOSED_CANDIDATES = 3
 """Largest number of candidates that closed contours enclose."""
 
+_MAX_BASIN_CANDIDATES = 2
+"""Largest number of candidates that are merged basins."""
+
+_BASIN_REACH = 256
+"""How far around points basins are looked for [px]."""
+
+_MAX_BASIN_SHARE = 0.6
+"""Largest share of that part of the image that such a candidate covers."""
+
 _MIN_GROWTH = 1.2
 """Least area of an object joined with others across its necks, in areas of the object alone."""
 
 _MAX_GROWTH = 8.0
 """Largest such area."""
+
+_MIN_GRAY_SPAN = 1e-6
+"""Least difference between white and black."""
 
 _NEIGHBOR_REACH = 1.0
 """How far around an object such others are looked for, in lengths of the object."""
@@ -306,7 +327,7 @@ class Partition(drawing.Pictured):
 
         One of them is the result of `select`, which has the same parameters. The others are predictions in crops of
         other sizes, the insides of contours closed around the points, shape (M, 2) [px], bodies alone where
-        necks join them to others, and together with them.
+        necks join them to others, and together with them, and what edges bound around the points.
         """
         request = self._read_request(inside, outside, stroke, box, previous, excluded)
         first, *others = (self._outline_candidate(one, request) for one in self._rank_candidates(request))
@@ -323,13 +344,20 @@ class Partition(drawing.Pictured):
                 next(answers, Candidate(Region())), prompt, free
             )  # fmt: skip
         yield best
+        if request.is_empty:
+            return
         known = [best.region]
-        others = itertools.chain(answers, self._find_alternatives(best.region.paste(self.shape), prompt))
-        for other in others if not request.is_empty else ():
-            found = self._keep_connected(other, prompt, free)
-            if not found.region.is_empty and all(found.region.compute_iou(one) < _DUPLICATE_IOU for one in known):
-                known.append(found.region)
-                yield found
+
+        def keep_new(others: Iterable[Candidate]) -> Iterator[Candidate]:
+            for other in others:
+                found = self._keep_connected(other, prompt, free)
+                if not found.region.is_empty and all(found.region.compute_iou(one) < _DUPLICATE_IOU for one in known):
+                    known.append(found.region)
+                    yield found
+
+        yield from keep_new(itertools.chain(answers, self._find_alternatives(best.region.paste(self.shape), prompt)))
+        if request.has_only_positive:
+            yield from itertools.islice(keep_new(self._rank_basins_around(prompt.positive)), _MAX_BASIN_CANDIDATES)
 
     def _from_closed_contour(self, request: _Request) -> Candidate | None:
         """Return what an unambiguous contour encloses around positive points alone, or what is drawn around."""
@@ -518,6 +546,26 @@ class Partition(drawing.Pictured):
             if _MIN_GROWTH < np.count_nonzero(joined) / np.count_nonzero(mask) < _MAX_GROWTH:
                 yield Candidate(Region.from_mask(joined))
 
+    def _rank_basins_around(self, pixels: Index) -> list[Candidate]:
+        """Find the merged basins that hold some pixels, shape (N, 2), first those that the network changes least."""
+        if not len(pixels) or not self.uses_network:
+            return []
+        low, high = pixels.min(axis=0).tolist(), (pixels.max(axis=0) + 1).tolist()
+        window = expand_window(tuple(map(slice, low, high)), _BASIN_REACH, self.shape)
+        corner, values = first_pixel(window), self.values[window]
+        lines = find_crossings(self._find_contour_paths(window, corner), values.shape).pixels
+        basins = MergedBasins.from_edges(edge_map(values, "auto"), running_maximum(lines, 1), self.gray_span)
+        found = []
+        for box, inside in basins.find_regions_around(tuple((pixels[0] - corner).tolist())):
+            region = Region.from_mask(inside, first_pixel(box) + corner)
+            if region.size > _MAX_BASIN_SHARE * values.size:
+                break
+            if region.encloses(pixels).all():
+                answer = self.evaluate_mask(region.paste(self.shape), pixels)
+                features = ConfidenceFeatures(*answer[2:], point_count=len(pixels))
+                found.append(Candidate(region, features, likelihood=answer.mean_certainty * answer.iou_to_previous))
+        return sorted(found, key=lambda one: -one.likelihood)
+
     def _join_similar_pixels(self, mask: Mask) -> Mask:
         """Join an object, shape (H, W), with the pixels connected to it that are similar."""
         box, _ = _padded_box(mask)
@@ -630,6 +678,13 @@ class Partition(drawing.Pictured):
     def values(self) -> Array:
         """Gray levels that boundaries are judged by, shape (H, W)."""
         return self.image.gray_levels(self.channel)
+
+    @cached_property
+    def gray_span(self) -> float:
+        """Difference of the gray levels that are black and white for the network."""
+        step = find_sample_step(self.shape)
+        low, high = measure_gray_range(self.values[::step, ::step]) if self.parent is None else self.parent.gray_range
+        return max(high - low, _MIN_GRAY_SPAN)
 
     @cached_property
     def interest(self) -> Mask:

@@ -150,10 +150,10 @@ class RegionEvidence:
             region.size,
             solidity,
             border / (border + along.size),
-            float(along.mean()) / self.parts.gray_span if along.size else 0.0,
+            float(along.mean()) / partition.gray_span if along.size else 0.0,
             weak / max(usual, _TINY),
             float(np.percentile(deep, _STRONG_PERCENTILE)) / max(usual, _TINY) if deep.size else 1.0,
-            float(values[mask].std()) / self.parts.gray_span,
+            float(values[mask].std()) / partition.gray_span,
             candidate.unambiguous,
             has_neck(region, solidity),
         )

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 import scipy
 
+from cpm_core.image.image import Image
 from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import uniform_grid
 from cpm_core.objects import compute_iou
 from cpm_core.objects.candidate_regions import CandidateRegions
 from cpm_core.objects.confidence import estimate_among_siblings
+from cpm_core.objects.partition import partition_without_run
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.select import select_all
@@ -89,6 +91,15 @@ def test_all_objects_of_an_image_are_those_of_a_run_from_everywhere_in_it():
     values = picture(np.where(LINES, 60.0, 170.0))
     run = segment(values, uniform_grid(values.shape), PRESETS["automatic"])
     assert [one.region for one in select_all(values)] == [one.region for one in run.objects]
+
+
+def test_what_edges_bound_around_a_click_is_among_its_candidates_whatever_else_the_network_answers():
+    levels = np.random.default_rng(5).permutation(np.linspace(60.0, 200.0, 12))
+    cut = partition_without_run(Image(picture(levels[GRAINS])))
+    for number in range(12):
+        depth = scipy.ndimage.distance_transform_edt(number == GRAINS)
+        found = cut.find_candidates([np.unravel_index(depth.argmax(), depth.shape)])
+        assert max(best_overlaps(found, [number == GRAINS])) > 0.9
 
 
 def test_a_grain_is_an_object_where_only_steps_of_gray_bound_it_and_some_are_faint():

@@ -50,6 +50,18 @@ def test_each_region_found_is_a_node_with_all_its_pixels_in_the_smallest_box(tre
         assert np.array_equal(np.isin(tree.labels[box], tree.labels[box][mask]), mask)
 
 
+def test_the_nodes_around_a_pixel_are_those_that_hold_it_each_in_the_next(tree):
+    pixel, before = (20, 15), np.zeros(VALUES.shape, bool)
+    for box, mask in tree.find_regions_around(pixel):
+        now = np.zeros(VALUES.shape, bool)
+        now[box] = mask
+        assert now[pixel]
+        assert now[before].all()
+        assert now.sum() > before.sum()
+        before = now
+    assert before.all()
+
+
 def test_the_unit_of_gray_levels_makes_no_difference(tree):
     again = merged(VALUES / 8.0)
     assert (again.labels == tree.labels).all()
