@@ -39,7 +39,7 @@ from cpm_core.objects.selection import Candidate, Selection
 _MIN_CONFIDENCE = 0.05
 """Least probability that an object is correct."""
 
-_MIN_RELATIVE_CONFIDENCE = 0.15
+_MIN_RELATIVE_CONFIDENCE = 0.12
 """Least such probability, as a fraction of the likeliest object's: beside a leaf, textures of the soil are none."""
 
 _MIN_SIBLING_CONFIDENCE = 0.3
