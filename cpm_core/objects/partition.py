@@ -68,7 +68,7 @@ _OUTLINE_MARGIN = 10
 _DUPLICATE_IOU = 0.85
 """Overlap (intersection over union) from which two candidates are the same."""
 
-_MAX_CANDIDATES = 6
+_MAX_CANDIDATES = 8
 """Largest number of candidates."""
 
 _MAX_CLOSED_CANDIDATES = 3
@@ -562,7 +562,7 @@ class Partition(drawing.Pictured):
                 break
             if region.encloses(pixels).all():
                 answer = self.evaluate_mask(region.paste(self.shape), pixels)
-                features = ConfidenceFeatures(*answer[2:], point_count=len(pixels))
+                features = ConfidenceFeatures(*answer[2:5], point_count=len(pixels))  # no other crop has said the same
                 found.append(Candidate(region, features, likelihood=answer.mean_certainty * answer.iou_to_previous))
         return sorted(found, key=lambda one: -one.likelihood)
 
