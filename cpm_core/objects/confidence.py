@@ -52,7 +52,7 @@ class ConfidenceFeatures(NamedTuple):
     predicted_iou, mean_certainty, iou_to_previous, iou_to_other_crop : float
         Features of the prediction of the network; see `prior.Prediction`.
     point_count : int
-        Number of points that it was selected by; 0 if it was found without any.
+        Number of points that it was selected by, of which what was drawn counts as one; 0 if there were none.
     unambiguous : bool
         Whether an unambiguous contour encloses it.
     """
@@ -147,10 +147,14 @@ class ChoiceFeatures(NamedTuple):
 
 
 def encode_features(features: ConfidenceFeatures) -> Array:
-    """Encode the features as inputs of the logistic regression, shape (7,)."""
+    """Encode the features as inputs of the logistic regression, shape (8,).
+
+    The last one is for what a single point or drawing selects, of which the prediction says less.
+    """
     shares = scipy.special.logit(np.clip(features[:4], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
-    points = np.log(np.clip(features.point_count, 1, _MAX_POINT_COUNT))
-    return np.array([*shares, points, features.point_count == 0, features.unambiguous])
+    count = features.point_count
+    alone = shares.mean() if count == 1 else 0.0
+    return np.array([*shares, np.log(np.clip(count, 1, _MAX_POINT_COUNT)), count == 0, features.unambiguous, alone])
 
 
 def estimate_confidence(features: ConfidenceFeatures) -> float:

@@ -222,8 +222,8 @@ class Partition(drawing.Pictured):
     >>> partition = cpm.partition(cpm.example("disks"))
     >>> cpm.Partition.from_result(cpm.segment(partition.image, cpm.circle((32, 18), 5)))
     <Partition disks, 64 x 64 px, 2 contours>
-    >>> partition.shape, partition.values.shape, bool(partition.interest.all())
-    ((64, 64), (64, 64), True)
+    >>> partition.shape, partition.values.shape, bool(partition.interest.all()), round(partition.gray_span)
+    ((64, 64), (64, 64), True, 200)
     >>> len(list(partition.find_unambiguous_objects()))
     2
     >>> chosen = partition.select([(32, 18)], outside=[(32, 46)])
@@ -421,7 +421,10 @@ class Partition(drawing.Pictured):
         if previous is not None and np.array_equal(mask, previous.mask):
             known = previous.remark if previous.remark in (_NO_OBJECT_REMARK, _UNLIKELY_REMARK) else ""
             return replace(previous, inside=inside, outside=outside, remark=remark or known)
-        answer = self.build_selection(mask, inside, outside, remark, found.features, found.unambiguous)
+        features = found.features
+        if features is None and mask.any():
+            features = self._measure_features(mask, inside, request.prompt.point_count)
+        answer = self.build_selection(mask, inside, outside, remark, features, found.unambiguous)
         if self.model and found.features is not None:
             answer = replace(answer, model=model_title(self.model))
         if not remark and answer.has_only_points:
@@ -526,7 +529,7 @@ class Partition(drawing.Pictured):
                 paths = self._find_contour_paths(box, corner)
                 if paths:
                     mask[box] = snap_to_contours(mask[box], find_crossings(paths, mask[box].shape), likely.downsampling)
-            features = ConfidenceFeatures(*likely[2:], point_count=len(prompt.positive) + len(prompt.negative))
+            features = ConfidenceFeatures(*likely[2:], point_count=prompt.point_count)
             if thin is not None and estimate_confidence(features) < _LINE_CONFIDENCE:
                 yield Candidate(Region.from_mask(thin.mask))
                 thin = None
@@ -624,12 +627,7 @@ class Partition(drawing.Pictured):
             return Selection(Region(), self.shape, inside, outside, confidence=0.0, remark=remark, image=self.image)
         found = self.outline_mask(mask)
         if features is None:
-            places = len(inside) + len(outside)
-            features = (
-                ConfidenceFeatures(*self.evaluate_mask(mask, inside)[2:], point_count=places)
-                if self.uses_network
-                else ConfidenceFeatures(point_count=places)
-            )
+            features = self._measure_features(mask, inside, len(inside) + len(outside))
         features = features._replace(unambiguous=unambiguous)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
@@ -638,6 +636,12 @@ class Partition(drawing.Pictured):
             Region.from_mask(mask), self.shape, inside, outside, contours, gaps, confidence, remark, features,
             image=self.image,
         )  # fmt: skip
+
+    def _measure_features(self, mask: Mask, inside: Array, point_count: int) -> ConfidenceFeatures:
+        """Measure what the confidence of a set of pixels, shape (H, W), with points in it is estimated from."""
+        if not self.uses_network:
+            return ConfidenceFeatures(point_count=point_count)
+        return ConfidenceFeatures(*self.evaluate_mask(mask, inside)[2:], point_count=point_count)
 
     def remove_pixels(self, selection: Selection, excluded: Mask) -> Selection:
         """Remove pixels from a selection, masks of shape (H, W), and what they cut off from its positive points.

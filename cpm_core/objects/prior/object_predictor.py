@@ -103,6 +103,11 @@ class Prompt:
         return np.concatenate([self.positive[missing], self.negative[surplus]])
 
     @property
+    def point_count(self) -> int:
+        """Number of points; what has been drawn counts as one."""
+        return len(self.positive) + len(self.negative) + (self.drawn_area is not None)
+
+    @property
     def has_only_positive(self) -> bool:
         """Whether there are only positive points."""
         return not len(self.negative) and self.drawn_area is None and self.box is None and self.previous_mask is None

@@ -59,21 +59,6 @@ LEARNED = (
 )
 """Kinds that the network has learned from; of all others, every image is for measuring."""
 
-OUTLINED_IN_FULL = (
-    "axons_sem",
-    "embryos",
-    "granular_ore",
-    "maize_kernels",
-    "mushrooms_crop",
-    "nanocrystals_sem",
-    "nuclei",
-    "plant_cells_confocal",
-    "plant_nuclei_3d",
-    "sand_gravel_grains",
-    "superalloy_precipitates",
-)
-"""Kinds in whose images all objects are outlined, so that what is found elsewhere is none."""
-
 SAMPLES = (
     "astronaut",
     "coffee",

@@ -1,11 +1,10 @@
 """How sure an answer is: the numbers by which `cpm_core/objects/confidence.py` estimates it are learned here.
 
 ``python tests/benchmarks/prior/sure.py --outlined FOLDER... --drawn FOLDER [--objects 20] [--seed 101]`` selects
-objects whose outline is known, by one to four clicks of a robot user, by a circle and by a box, and everywhere in
-images that are outlined in full, and learns from what speaks for each answer how often it is right. The images of the
-folders are those that the network has not learned from; the scenes have another seed, and every twentieth drawing is
-enough. It writes the numbers with their origin to `confidence.json`, and prints how well those learned from the other
-kinds hold on each kind.
+objects whose outline is known, by one to four clicks of a robot user, by a circle and by a box, and learns from what
+speaks for each answer how often it is right. The images of the folders are those that the network has not learned from;
+the scenes have another seed, and every twentieth drawing is enough. It writes the numbers with their origin to
+`confidence.json`, and prints how well those learned from the other kinds hold on each kind.
 
 It needs ``opencv-python-headless`` besides what `cpm_core` needs.
 """
@@ -39,8 +38,8 @@ CLICKS = 4
 SCENES = ("clean", "drawn", "nested", "made_up")
 """Kinds of scenes that are made up."""
 
-EVERYWHERE = 4
-"""Images of a kind, at most, in which objects are found everywhere."""
+SCENES_SHARE = 0.2
+"""How much all scenes, whose boundaries are beyond doubt, count among all kinds, which count alike otherwise."""
 
 Row = tuple[str, str, confidence.ConfidenceFeatures, bool]
 """Kind of image, what has been done, what speaks for the answer, and whether it is right."""
@@ -111,16 +110,6 @@ def rows_of(kinds: dict[str, list[pictures.Example]], seed: int) -> Iterator[Row
                     yield kind, way, chosen.features, compute_iou(chosen.mask, example.mask) >= confidence.CORRECT_IOU
 
 
-def rows_everywhere(folder: Path) -> Iterator[Row]:
-    """What speaks for each of the objects of whole images, and whether it is one."""
-    paths = pictures.held_out_labels(folder)
-    for path in paths[:: max(len(paths) // EVERYWHERE, 1)][:EVERYWHERE]:
-        image, labels = pictures.labeled(path)
-        for found in cpm.select_all(cpm.Image(image)):
-            overlap = pictures.overlaps(found.mask, labels).max(initial=0.0)
-            yield folder.name, "everywhere", found.features, bool(overlap >= confidence.CORRECT_IOU)
-
-
 def main() -> None:
     """Select, learn, write and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -129,12 +118,9 @@ def main() -> None:
     parser.add_argument("--objects", type=int, default=20, help="of each kind, at most")
     parser.add_argument("--seed", type=int, default=101)
     given = parser.parse_args()
-    chance = random.Random(given.seed)
-    kinds = {folder.name: held_out(folder, chance, given.objects) for folder in given.outlined}
-    rows = list(rows_of(kinds | scenes(given.drawn, given.outlined, given.objects, given.seed), given.seed))
-    for folder in given.outlined:
-        if folder.name in pictures.OUTLINED_IN_FULL:
-            rows += rows_everywhere(folder)
+    rows = list(rows_of(scenes(given.drawn, given.outlined, given.objects, given.seed), given.seed))
+    for seed, folder in enumerate(given.outlined, given.seed):
+        rows += rows_of({folder.name: held_out(folder, random.Random(seed), given.objects)}, seed)
     write(rows, given.seed)
 
 
@@ -143,9 +129,11 @@ def write(rows: Sequence[Row], seed: int) -> None:
     signs = np.array([confidence.encode_features(row[2]) for row in rows])
     right, kind = np.array([float(row[3]) for row in rows]), np.array([row[0] for row in rows])
     counts = Counter(kind.tolist())
-    # scenes, whose boundaries are beyond doubt, count as much as all images, and kinds as much as one another
     kinds_alike = Counter(name in SCENES for name in counts)
-    weights = np.array([len(rows) / (2 * kinds_alike[name in SCENES] * counts[name]) for name in kind.tolist()])
+    share = {True: SCENES_SHARE, False: 1.0 - SCENES_SHARE}
+    weights = np.array(
+        [len(rows) * share[name in SCENES] / (kinds_alike[name in SCENES] * counts[name]) for name in kind.tolist()]
+    )
     for name in counts:
         out = kind == name
         numbers = learned(signs[~out], right[~out], weights[~out])
@@ -153,7 +141,8 @@ def write(rows: Sequence[Row], seed: int) -> None:
         print(f"{name:14s} shown/right/answers  {curve(shown, right[out])}")
     origin = {
         "numbers": learned(signs, right, weights).round(3).tolist(),
-        "features": "overlap, clarity, steadiness, agreement, log of places, found everywhere, certain; offset",
+        "features": "overlap, clarity, steadiness, agreement, log of places, no place, certain, mean of the first four "
+        "if there is one place; offset",
         "answers": dict(counts),
         "right": {name: round(float(right[kind == name].mean()), 3) for name in counts},
         "seed": seed,

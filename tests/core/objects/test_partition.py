@@ -383,3 +383,11 @@ def test_a_place_in_one_of_two_joined_disks_may_mean_it_alone_or_both():
     masks = [chosen.mask for chosen in partition(values).find_candidates([(48, 45)])]
     assert max(overlap(mask, one) for mask in masks) > 0.9
     assert max(overlap(mask, one | other) for mask in masks) > 0.95
+
+
+@pytest.mark.parametrize("place", [(47, 40), (20, 20)], ids=["in an object", "anywhere"])
+def test_a_circle_counts_as_one_click_whoever_answers(place, disk_partition):
+    drawn = disk_partition.select(circle(place, 6.0))
+    assert drawn.features.point_count == 1
+    alone = replace(disk_partition, contours=()).select(circle(place, 6.0))
+    assert alone.features.point_count == 1
