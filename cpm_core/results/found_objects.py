@@ -22,7 +22,7 @@ from cpm_core.objects.all_bodies import find_bodies_everywhere
 from cpm_core.objects.all_objects import build_proposal, find_objects_everywhere
 from cpm_core.objects.body_evidence import rate_body
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.selection import Selection
+from cpm_core.objects.selection import Selection, remark_on_doubt
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.provenance import Provenance
 
@@ -98,16 +98,21 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None, *, continue
     ValueError
         When the result does not know its image.
     """
+    return tuple(map(remark_on_doubt, _find_ranked(result, check, continues)))
+
+
+def _find_ranked(result: RunOutcome, check: Callback, continues: bool) -> Iterable[Selection]:
+    """Find the objects that a run proposes, the best first, without remarks on how little speaks for them."""
     image = require_image(result)
     pieces = () if is_run_everywhere(result) else split_seeds(result.seeds, _relative_sides(image))
     if image.ndim == 3:
         bodies = _find_bodies(VolumePartition.from_result(result), pieces, check)
-        return tuple(sorted(bodies, key=lambda one: (-one.confidence, -one.size)))
+        return sorted(bodies, key=lambda one: (-one.confidence, -one.size))
     partition = Partition.from_result(result)
     if not pieces:
-        return tuple(find_objects_everywhere(partition, check))
+        return find_objects_everywhere(partition, check)
     find = _find_continued_objects if continues else _find_started_objects
-    return tuple(sorted(find(partition, pieces, check), key=lambda one: -one.confidence))
+    return sorted(find(partition, pieces, check), key=lambda one: -one.confidence)
 
 
 def is_likely(found: Selection) -> bool:
