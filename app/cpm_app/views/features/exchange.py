@@ -356,8 +356,8 @@ class BatchFeature(Feature):
 
     def _on_batch_done(self, done: BatchDone) -> None:
         parts = [tr("{done} of {count} images finished.", done=done.images - len(done.failed), count=done.images)]
-        found = {"count": done.objects, "likely": done.likely, "path": done.folder}
-        parts.append(tr("Objects: {count}, {likely} of them likely, in {path}.", **found))
+        found = {"count": done.objects, "doubtful": done.objects - done.likely, "path": done.folder}
+        parts.append(tr("Objects: {count}, {doubtful} of them doubtful, in {path}.", **found))
         if done.failed:
             names = ", ".join(done.failed[:_MAX_NAMED_IMAGES]) + ("…" if len(done.failed) > _MAX_NAMED_IMAGES else "")
             parts.append(tr("Could not be used: {names}.", names=names))
