@@ -15,7 +15,7 @@ from cpm_app.session.exchange.messages import OverlayData
 from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.session.features.outcome import describe_lack, describe_outcome
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.session.session_messages import OPENING_CATEGORY, PROGRAM_CATEGORIES
+from cpm_app.session.session_messages import EDITING_CATEGORY, OPENING_CATEGORY, PROGRAM_CATEGORIES
 from cpm_app.session.worker.prepared_methods import AREA_OVERLAY
 from cpm_app.views.canvas.canvas import Canvas, ToolDispatcher
 from cpm_app.views.canvas.crosshair import Crosshair
@@ -120,6 +120,7 @@ class CanvasArea(QWidget):
             self._session.select_shape(None)
         if changed:
             self.crosshair.hide_crosshair()
+            self.messages.clear_category(EDITING_CATEGORY)
         self.canvas.setFocus()
         self._tells_outcome = False
         self.update_hint()

@@ -14,7 +14,6 @@ from PySide6.QtWidgets import QApplication
 from cpm_app.model.document import edits, imported
 from cpm_app.model.document.imported import ImportedContent
 from cpm_app.model.export import ExportFile, ExportKind, ExportOrder, has_objects_to_export
-from cpm_app.model.state.messages import BATCH_CATEGORY
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_particles, has_volume
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.exchange.messages import ImageOpened
@@ -26,7 +25,7 @@ from cpm_app.session.features.import_contours import (
     save_pasted_picture,
 )
 from cpm_app.session.features.session_code import CodeLanguage, write_session_code
-from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY
+from cpm_app.session.session_messages import BATCH_CATEGORY, EXPORTING_CATEGORY, OPENING_CATEGORY
 from cpm_app.session.tasks.opening import list_images
 from cpm_app.session.tasks.tasks import ENDED_TASK
 from cpm_app.views.export.batch_dialog import BatchDialog

@@ -89,6 +89,25 @@ def test_that_all_proposals_are_rejected_is_said_with_what_brings_them_back(read
     hand.wait(lambda: panel.summary.text() == "1 proposal")
 
 
+def test_what_became_of_an_edit_is_said_until_the_next_one_and_other_news_for_a_while(ready, hand) -> None:
+    end_run(ready, hand)
+    line = ready.canvas_area.messages
+    interval = line._timer.interval()
+    line._timer.setInterval(1)
+    hand.key(KEY.Key_X)
+    said = "Rejected proposals: 1. Ctrl+Z brings them back."
+    hand.qtbot.wait(20)
+    assert line.text == said
+    hand.key(KEY.Key_Z, CONTROL)
+    assert line.text == ""
+    ready.session.messages.show("The view was copied.", category="exporting")
+    hand.wait(lambda: line.text == "")
+    hand.key(KEY.Key_X)
+    hand.key(KEY.Key_W)
+    assert line.text == ""
+    line._timer.setInterval(interval)
+
+
 def test_objects_that_are_being_found_are_not_said_to_be_missing(ready, hand, monkeypatch) -> None:
     shown = threading.Event()
     monkeypatch.setattr(object_selection, "find_proposals", lambda *given: shown.wait() and find_proposals(*given))
