@@ -389,8 +389,9 @@ class ObjectSelection(QObject):
             self._selectors = {}
         if number not in self._selectors:
             self._selectors_source = self.partition_updater.source
+            undone = self._session.history.undone_objects
             self._selectors[number] = Selector(
-                partition, known.items, number, found, rejected, known.may_overlap, self._seen.get(number)
+                partition, known.items, number, found, rejected, known.may_overlap, undone, self._seen.get(number)
             )
         return self._selectors[number]
 

@@ -271,6 +271,8 @@ class Selector:
         Objects that are not proposed again.
     overlaps : bool
         Whether selections may run over existing objects that are not frozen.
+    undone : sequence of SegmentedObject
+        Objects whose acceptance was undone; their own clicks select them unchanged, as they were seen.
     shown : mapping of tuple of Click to Selection, optional
         What clicks have selected before the contours everywhere were known, or other objects changed, and the user has
         seen: another object takes its place only if it is more likely.
@@ -284,6 +286,7 @@ class Selector:
         found: tuple[Proposal, ...] = (),
         rejected: tuple[SegmentedObject, ...] = (),
         overlaps: bool = False,
+        undone: Sequence[SegmentedObject] = (),
         shown: Mapping[Clicks, Selection | None] | None = None,
     ) -> None:
         self.partition, self.edited = partition, edited
@@ -295,7 +298,8 @@ class Selector:
         self._known: dict[Clicks, Selection | None] = {}
         self._stepped: tuple[Clicks, tuple[Sequence[Selection], int]] | None = None
         """The clicks whose candidates were requested last, and the candidates, which take long in a volume."""
-        self._changed = next((item for item in items if item.number == edited), None)
+        changed = {initial_clicks(item, partition.shape): item for item in items if item.number == edited}
+        self._unchanged = {item.clicks: item for item in undone} | changed
 
     def selection_for(self, clicks: Clicks) -> Selection | None:
         """Return the object that clicks select; None if none of them is positive."""
@@ -309,8 +313,8 @@ class Selector:
         inside = collect_points(clicks, inside=True)
         if not len(inside):
             return None
-        item, made = self._changed, self._found_by_clicks.get(clicks)
-        if made is None and item is not None and clicks == initial_clicks(item, self.partition.shape):
+        item, made = self._unchanged.get(clicks), self._found_by_clicks.get(clicks)
+        if made is None and item is not None:
             made = replace(selection_from_object(item, self.partition.shape), image=self.partition.image)
             if isinstance(self.partition, Partition):  # to be compared with what further clicks give
                 made = replace(made, region=item.region.clipped(self.partition.shape))

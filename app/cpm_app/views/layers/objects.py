@@ -35,9 +35,6 @@ _DOUBTFUL_DASHES = (2.5, 5.0)
 _MAX_MARKED_PROPOSALS = 12
 """Largest number of proposals for which all doubtful ones are marked with their probability."""
 
-_MAX_CLICK_MARKS = 60
-"""Largest number of marked places of a click."""
-
 
 class ObjectLayer(Layer):
     """Shows objects with area and outline in the color of their class; stretches that follow no contour are dashed.
@@ -69,16 +66,17 @@ class ObjectLayer(Layer):
         )
         self._doubtful = Curves(theme.PROPOSAL_COLOR, 4.5, width=1.4, halo=2.8, dashed=_DOUBTFUL_DASHES)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
-        self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2))
+        self.points = Markers(6.9, size=9.0, pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2))
+        self.strokes = Curves(theme.RESTING_COLOR, 6.8)
         self.awaited = Markers(6.85, size=22.0, symbol="o", brush=None, pen=theme.PROPOSAL_COLOR)
         self._paths: dict[int, tuple[Array, ...]] = {}
         """Paths of the shown objects by object number."""
         self._names, self._probabilities = TextLabels(5.8), TextLabels(5.85)
         self.add_items(self.fills, self._outlines, self._gaps, self._selected, self._hovered, self.proposal_fill)
         self.add_items(
-            self._proposal_outlines, self._doubtful, self.added, self.removed, self._clicks, self._probabilities
+            self._proposal_outlines, self._doubtful, self.added, self.removed, self.points, self._probabilities
         )
-        self.add_items(self.awaited)
+        self.add_items(self.strokes, self.awaited)
         self.add_items(self._names, switch="names")
 
     def legend_entries(self) -> Sequence[LegendEntry]:
@@ -189,16 +187,15 @@ class ObjectLayer(Layer):
         self.removed.show_areas([] if adds else changed)
 
     def _show_clicks(self) -> None:
-        """Mark the places of all clicks, thinned out along long strokes."""
-        clicks = self.scene.document.objects.clicks
-        marks = [
-            (at, each.inside) for each in clicks for at in each.places[:: 1 + len(each.places) // _MAX_CLICK_MARKS]
-        ]
-        brushes = {True: pg.mkBrush(theme.RESTING_COLOR), False: pg.mkBrush(theme.BARRIER_COLOR)}
-        self._clicks.show_markers(
-            [at for at, _ in marks],
-            symbol=["o" if inside else "x" for _, inside in marks],
-            brush=[brushes[inside] for _, inside in marks],
+        """Mark each click: a point by a symbol, a stroke by its line."""
+        clicks, colors = self.scene.document.objects.clicks, {True: theme.RESTING_COLOR, False: theme.BARRIER_COLOR}
+        drawn = [each for each in clicks if len(each.places) > 1]
+        self.strokes.show_paths([np.array(each.places) for each in drawn], [colors[each.inside] for each in drawn])
+        points = [each for each in clicks if len(each.places) == 1]
+        self.points.show_markers(
+            [each.places[0] for each in points],
+            symbol=["o" if each.inside else "x" for each in points],
+            brush=[pg.mkBrush(colors[each.inside]) for each in points],
         )
 
     def _show_awaited_clicks(self) -> None:
