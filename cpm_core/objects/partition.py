@@ -381,6 +381,7 @@ class Partition(drawing.Pictured):
         """Outline a candidate, with a remark if hardly anything says that it is an object.
 
         What has not changed stays the previous selection: another point that says the same makes it no more likely.
+        Nor does a negative one that leaves nearly all of it.
         """
         inside, outside, remark, previous = request.inside, request.outside, request.remark, request.previous
         mask = found.region.paste(self.shape)
@@ -392,6 +393,8 @@ class Partition(drawing.Pictured):
         answer = self.build_selection(mask, inside, outside, remark, found.features, found.unambiguous)
         if self.model and found.features is not None:
             answer = replace(answer, model=model_title(self.model))
+        if previous is not None and _DUPLICATE_IOU * previous.region.size <= answer.region.size < previous.region.size:
+            answer = replace(answer, confidence=min(answer.confidence, previous.confidence))
         if not remark and answer.has_only_points:
             return replace(answer, remark=_NO_OBJECT_REMARK)
         return remark_on_doubt(answer)
