@@ -98,21 +98,16 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None, *, continue
     ValueError
         When the result does not know its image.
     """
-    return tuple(map(remark_on_doubt, _find_ranked(result, check, continues)))
-
-
-def _find_ranked(result: RunOutcome, check: Callback, continues: bool) -> Iterable[Selection]:
-    """Find the objects that a run proposes, the best first, without remarks on how little speaks for them."""
     image = require_image(result)
     pieces = () if is_run_everywhere(result) else split_seeds(result.seeds, _relative_sides(image))
     if image.ndim == 3:
         bodies = _find_bodies(VolumePartition.from_result(result), pieces, check)
-        return sorted(bodies, key=lambda one: (-one.confidence, -one.size))
+        return tuple(sorted(bodies, key=lambda one: (-one.confidence, -one.size)))
     partition = Partition.from_result(result)
     if not pieces:
-        return find_objects_everywhere(partition, check)
+        return tuple(find_objects_everywhere(partition, check))
     find = _find_continued_objects if continues else _find_started_objects
-    return sorted(find(partition, pieces, check), key=lambda one: -one.confidence)
+    return tuple(sorted(find(partition, pieces, check), key=lambda one: -one.confidence))
 
 
 def is_likely(found: Selection) -> bool:
@@ -201,7 +196,7 @@ def _find_continued_objects(partition: Partition, pieces: Arrays, check: Callbac
     for mask in partition.find_unambiguous_objects():
         check()
         taken |= mask
-        yield build_proposal(partition, mask, unambiguous=True)
+        yield remark_on_doubt(build_proposal(partition, mask, unambiguous=True))
     left = [each for each in pieces if taken[tuple(np.rint(each).astype(int).T)].mean() <= _MAX_TAKEN_SEEDS]
     for one in _find_started_objects(partition, left, check):
         if taken[one.region.window][one.region.mask].mean() <= _SAME_OBJECT_OVERLAP:

@@ -377,28 +377,17 @@ def _read_interval(file: tifffile.TiffFile, series: int) -> float | None:
     return _parse_size(given) * _SECONDS.get(unit, 0.0) or None
 
 
-_TRANSMITTED_LIGHT = {
-    "Brightfield": "brightfield",
-    "DIC": "DIC",
-    "HoffmanModulation": "Hoffman modulation",
-    "ObliqueIllumination": "oblique illumination",
-    "Phase": "phase contrast",
-}
-"""Methods of contrast of OME in which the background is bright, in words."""
-
-
 def _read_channel_styles(file: tifffile.TiffFile, series: int) -> tuple[tuple[str, str], ...]:
     """Read name and color of each channel, as in `Stack`, from OME or ImageJ, whose tables may run down to black.
 
-    ImageJ labels planes, channel by channel: a label that all planes of a channel have is its name. OME also states how
-    transmitted light gives contrast, which becomes a part of the name.
+    ImageJ labels planes, channel by channel: a label that all planes of a channel have is its name. What OME states of
+    the contrast, unless it is fluorescence, becomes a part of the name.
     """
     if file.ome_metadata:
         channels = _find_ome_pixels(file.ome_metadata, series).findall("{*}Channel")
-        light = (_TRANSMITTED_LIGHT.get(one.get("ContrastMethod", ""), "") for one in channels)
-        names = (f"{one.get('Name', '')} {by}".strip() for one, by in zip(channels, light, strict=True))
-        colors = (_parse_ome_color(one.get("Color")) for one in channels)
-        return tuple(zip(map(make_printable, names), colors, strict=True))
+        stated = [" ".join(map(one.get, ("Name", "ContrastMethod"), ("", ""))) for one in channels]
+        names = (make_printable(name.removesuffix("Fluorescence").strip()) for name in stated)
+        return tuple(zip(names, (_parse_ome_color(one.get("Color")) for one in channels), strict=True))
     hyperstack = file.imagej_metadata or {}
     tables, labels, count = hyperstack.get("LUTs", ()), hyperstack.get("Labels", ()), hyperstack.get("channels", 1)
     own = [set(labels[index::count]) for index in range(count)] if isinstance(labels, list) else []

@@ -25,7 +25,7 @@ CHANNEL_COLORS: dict[str, str] = {
 """Titles of the usual colors, in the order in which channels without a color of their own get them, as in ImageJ."""
 
 _TRANSMITTED_LIGHT = re.compile(
-    r"bright.?field|transmitted|phase.?contrast|hoffman|oblique.?illumination|(?<![a-z])(bf|dic|tl|t.?pmt)(?![a-z])",
+    r"bright.?field|transmitted|phase.?contrast|\bphase$|hoffman|oblique|(?<![a-z])(bf|dic|tl|t.?pmt)(?![a-z])",
     re.IGNORECASE,
 )
 """Names of channels of transmitted light, and of methods of contrast with it."""

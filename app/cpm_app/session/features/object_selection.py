@@ -383,9 +383,9 @@ class ObjectSelection(QObject):
         rejected = (*known.rejected, *self._deleted_objects)
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
-            source, before = self.partition_updater.source, self._selectors
+            source = self.partition_updater.source
             waited = isinstance(source, EverywhereRun) and source == self._selectors_source
-            self._seen = {key: each.recall(known.clicks) for key, each in before.items() if waited}
+            self._seen = {key: each.known for key, each in self._selectors.items() if waited}
             self._selectors = {}
         if number not in self._selectors:
             self._selectors_source = self.partition_updater.source

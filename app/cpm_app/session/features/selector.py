@@ -295,7 +295,8 @@ class Selector:
         self.items, self._offered, self._rejected = items, found, rejected
         self._limits = [item.region for item in items if item.number != edited and (item.frozen or not overlaps)]
         self._shown = shown or {}
-        self._known: dict[Clicks, Selection | None] = {}
+        self.known: dict[Clicks, Selection | None] = {}
+        """What clicks have selected, the least recently used ones first."""
         self._stepped: tuple[Clicks, tuple[Sequence[Selection], int]] | None = None
         """The clicks whose candidates were requested last, and the candidates, which take long in a volume."""
         changed = {initial_clicks(item, partition.shape): item for item in items if item.number == edited}
@@ -303,10 +304,10 @@ class Selector:
 
     def selection_for(self, clicks: Clicks) -> Selection | None:
         """Return the object that clicks select; None if none of them is positive."""
-        selection = self._known.pop(clicks) if clicks in self._known else self._compute_selection(clicks)
-        if len(self._known) == _MAX_KEPT_SELECTIONS:
-            del self._known[next(iter(self._known))]  # the least recently used one
-        self._known[clicks] = selection
+        selection = self.known.pop(clicks) if clicks in self.known else self._compute_selection(clicks)
+        if len(self.known) == _MAX_KEPT_SELECTIONS:
+            del self.known[next(iter(self.known))]
+        self.known[clicks] = selection
         return selection
 
     def _compute_selection(self, clicks: Clicks) -> Selection | None:
@@ -333,15 +334,10 @@ class Selector:
             ):
                 made = seen
         if isinstance(self.partition, VolumePartition):
-            known = (one for one in self._known.values() if one is not None and one.has_same_region(made))
+            known = (one for one in self.known.values() if one is not None and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
             _ = made.surface, made.contains(inside)  # cached on this thread, not on the window's
         return made
-
-    def recall(self, clicks: Clicks) -> Mapping[Clicks, Selection | None]:
-        """Return what the first of these clicks has selected, the first two of them, and so on, as far as known."""
-        begun = (clicks[: index + 1] for index in range(len(clicks)))
-        return {each: self._known.get(each, self._shown.get(each)) for each in begun}
 
     def propose(self, clicks: Clicks) -> tuple[Proposal, ...]:
         """Return the object that clicks select, and then what is offered elsewhere."""
@@ -362,7 +358,7 @@ class Selector:
 
     def _is_quick(self, clicks: Clicks) -> bool:
         """Return whether the selection takes so little time that it can be shown while the pointer moves."""
-        if not isinstance(self.partition, VolumePartition) or clicks in self._known:
+        if not isinstance(self.partition, VolumePartition) or clicks in self.known:
             return True
         places = np.concatenate([np.array(each.places) for each in clicks])
         return self.partition.knows_bodies(places)

@@ -78,12 +78,10 @@ class ChannelBar(QScrollArea):
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         button.setCheckable(True)
         button.clicked.connect(lambda shown: change(shown=shown))
-        colors = {
-            color: add_menu_action(menu, title, partial(change, color=color), checked=False)
-            for color, title in CHANNEL_COLORS.items()
-        }
-        for color, action in colors.items():
-            action.setIcon(create_swatch(color))
+        for color, title in CHANNEL_COLORS.items():
+            chosen = add_menu_action(menu, title, partial(change, color=color), checked=False)
+            chosen.setIcon(create_swatch(color))
+            chosen.setData(color)
         menu.addSeparator()
         ranges = {
             way: add_menu_action(menu, title, partial(self._layer.set_channel_range, index, way), checked=False)
@@ -92,8 +90,8 @@ class ChannelBar(QScrollArea):
 
         def show_look() -> None:
             """Check color and range of the channel, and offer other ranges once it has been read."""
-            for color, action in colors.items():
-                action.setChecked(color == self._layer.looks[index].color)
+            for action in menu.actions():
+                action.setChecked(action.data() == self._layer.looks[index].color)
             image, current = self._layer.find_channel_image(index), self._layer.channel_range(index)
             for way, action in ranges.items():
                 action.setChecked(way == current)

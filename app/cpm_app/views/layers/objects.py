@@ -16,8 +16,8 @@ from cpm_app.views.items.item import Markers, TextLabels
 from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import theme
 from cpm_core import Selection
-from cpm_core.numerics import Array, Position
-from cpm_core.objects.segmented import DEFAULT_CLASSES, SegmentedObject
+from cpm_core.numerics import Array
+from cpm_core.objects.segmented import DEFAULT_CLASSES
 from cpm_core.results import is_likely
 
 _PROPOSAL_OPACITY = 0.2
@@ -133,7 +133,9 @@ class ObjectLayer(Layer):
         outlines = [(path, objects.color_of(item)) for item in seen for path in item.paths]
         self._outlines.show_paths([path for path, _ in outlines], [color for _, color in outlines])
         self._gaps.show_paths([np.array(gap) for item in seen for gap in item.gaps])
-        self._names.show_texts([(_find_top(item), item.name, objects.color_of(item)) for item in seen if item.name])
+        self._names.show_texts([
+            ((float(item.box[0][0]), item.center[1]), item.name, objects.color_of(item)) for item in seen if item.name
+        ])  # fmt: skip
 
     @property
     def _proposals(self) -> list[tuple[int, Selection]]:
@@ -188,14 +190,14 @@ class ObjectLayer(Layer):
 
     def _show_clicks(self) -> None:
         """Mark each click: a point by a symbol, a stroke by its line."""
-        clicks, colors = self.scene.document.objects.clicks, {True: theme.RESTING_COLOR, False: theme.BARRIER_COLOR}
-        drawn = [each for each in clicks if len(each.places) > 1]
-        self.strokes.show_paths([np.array(each.places) for each in drawn], [colors[each.inside] for each in drawn])
-        points = [each for each in clicks if len(each.places) == 1]
+        colors = {True: theme.RESTING_COLOR, False: theme.BARRIER_COLOR}
+        marks = [(np.array(each.places), each.inside) for each in self.scene.document.objects.clicks]
+        drawn, points = ([mark for mark in marks if (len(mark[0]) > 1) is line] for line in (True, False))
+        self.strokes.show_paths([path for path, _ in drawn], [colors[inside] for _, inside in drawn])
         self.points.show_markers(
-            [each.places[0] for each in points],
-            symbol=["o" if each.inside else "x" for each in points],
-            brush=[pg.mkBrush(colors[each.inside]) for each in points],
+            [place for (place,), _ in points],
+            symbol=["o" if inside else "x" for _, inside in points],
+            brush=[pg.mkBrush(colors[inside]) for _, inside in points],
         )
 
     def _show_awaited_clicks(self) -> None:
@@ -208,11 +210,6 @@ def _list_proposals(scene: Scene) -> list[tuple[int, Selection]]:
     """List the proposals of a scene that can be drawn, with their keys."""
     offered = ((each.key, each.selection) for each in scene.objects.proposals)
     return [(key, found) for key, found in offered if isinstance(found, Selection) and found.has_boundary]
-
-
-def _find_top(item: SegmentedObject) -> Position:
-    """Return the middle of the upper side of the box around an object."""
-    return float(item.box[0][0]), item.center[1]
 
 
 def _selection_curves(selection: Selection) -> list[Array]:
