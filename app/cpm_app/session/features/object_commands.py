@@ -38,9 +38,7 @@ ObjectState = Literal["frozen", "hidden"]
 
 def describe_doubtful(count: int) -> str:
     """Describe what to do with a number of proposals all of which are doubtful."""
-    if count == 1:
-        return tr("1 object found, and it is doubtful: select it to accept it.")
-    return tr("{count} objects found, all of them doubtful: select those to accept.", count=count)
+    return tr("Only doubtful objects were found: {count}. Select those to accept.", count=count)
 
 
 class ObjectCommands(QObject):

@@ -34,8 +34,6 @@ from cpm_core import (
 )
 from cpm_core.formats.stack_files import paint_tracks
 from cpm_core.image import AnyRegions, plane_regions
-from cpm_core.image.region import Region
-from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, Mask, frozen
 from cpm_core.objects import partition_without_run
@@ -452,14 +450,9 @@ def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject])
     left = []
     for each in found:
         region = each.selection.region
-        places, most = _sample_pixels(region), _MUCH_LARGER * region.count
+        pixels, most = np.argwhere(region.mask) + region.origin, _MUCH_LARGER * region.count
+        places = pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)].astype(float)
         within = [item.region.encloses(places) for item in items if item.region.size < most]
         if not within or np.any(within, axis=0).mean() < 0.5:
             left.append(each)
     return left
-
-
-def _sample_pixels(region: Region) -> Array:
-    """Sample pixels of a region, spread over all of it, shape (N, D) [px]."""
-    pixels = np.argwhere(region.mask) + region.origin
-    return np.asarray(pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)], float)

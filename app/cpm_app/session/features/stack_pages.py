@@ -164,13 +164,10 @@ class StackPages(QObject):
 
     @property
     def offers_objects(self) -> bool:
-        """Whether a page offers objects of which none has been accepted, nor all rejected."""
-        known = {number: document.objects for number, document in self.documents.items()}
-        return any(
-            not known[number].items and len(known[number].rejected) < len({one.number for one in page.contours})
-            for number, page in self._proposed.items()
-            if page.contours
-        )
+        """Whether a page offers objects of which none has been accepted or rejected yet."""
+        known = ((number, document.objects) for number, document in self.documents.items())
+        done = {number for number, objects in known if objects.items or objects.rejected}
+        return any(page.contours and number not in done for number, page in self._proposed.items())
 
     @property
     def found_objects(self) -> str:

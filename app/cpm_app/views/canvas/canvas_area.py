@@ -13,7 +13,7 @@ from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.exchange.messages import OverlayData
 from cpm_app.session.features.comparison import CURRENT_KEY
-from cpm_app.session.features.outcome import describe_lack, describe_outcome
+from cpm_app.session.features.outcome import describe_outcome
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.session_messages import EDITING_CATEGORY, OPENING_CATEGORY, PROGRAM_CATEGORIES
 from cpm_app.session.worker.prepared_methods import AREA_OVERLAY
@@ -174,10 +174,8 @@ class CanvasArea(QWidget):
             tool.finish()
         elif self._can_accept:
             self._selection.do_in_order(self._workspace.object_commands.accept_pending)
-        elif not (self._selection.offer_is_known or self._selection.idle):  # nor is there a search that was canceled
-            self._session.messages.show(describe_lack(self._workspace))
-        else:
-            return False
+        else:  # wait while objects are being found, unless the search was canceled
+            return not (self._selection.offer_is_known or self._selection.idle)
         return True
 
     def set_typing(self, is_typing: bool) -> None:

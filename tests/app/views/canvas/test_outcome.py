@@ -44,9 +44,8 @@ def test_enter_draws_nothing_while_the_objects_of_a_run_are_being_found(ready, h
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: not selection.offer_is_known and not selection.idle)
-    with hand.qtbot.waitSignal(ready.session.messages.shown) as said:
-        hand.key(KEY.Key_Return)
-    assert said.args[0].startswith("The objects of the run are still being found")
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: ready.canvas_area.hint.text().endswith("The objects of the run are still being found."))
     assert ready.canvas_area.crosshair.position is None
     shown.set()
     hand.wait(lambda: selection.idle and selection.offer_is_known)
@@ -143,7 +142,7 @@ def test_enter_accepts_an_unlikely_object_only_once_it_is_selected(window, hand,
     make_unlikely(monkeypatch)
     window.actions_by_name["start_grid"].trigger()
     said = end_run(window, hand)
-    assert said == "1 object found, and it is doubtful: select it to accept it."
+    assert said == "Only doubtful objects were found: 1. Select those to accept."
     with hand.qtbot.waitSignal(window.session.messages.shown) as shown:
         hand.key(KEY.Key_Return)
     assert shown.args[0] == said
