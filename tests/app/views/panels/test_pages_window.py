@@ -180,6 +180,7 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
         "4 of 5 pages were run. Objects on them, each counted once: 1. On each page Enter accepts its objects; "
         "until then its contours are listed. 1 could not be used."
     )
+    strengths = column_texts(table, "strength")
     assert stack.session.status.phase == "finished"  # the page that is open shows its run
     assert len(stack.session.scene.contours) == 1
     for page in (1, 2, 3, 5):
@@ -192,6 +193,8 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
         hand.key(Qt.Key.Key_Return)
         hand.wait(lambda: bool(stack.session.document.objects.items))
     hand.wait(lambda: feature.panel.summary.text() == "4 of 5 pages finished; tracks: 1. 1 could not be used.")
+    for before, after in zip(strengths, column_texts(table, "strength"), strict=True):  # of contours, and of objects
+        assert before == after == "–" or float(after) == pytest.approx(float(before), rel=0.02)
 
 
 def test_enter_is_said_to_accept_nothing_once_all_that_pages_propose_is_rejected(stack, hand) -> None:
