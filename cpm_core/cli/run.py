@@ -204,7 +204,11 @@ def _run_image(request: RunRequest) -> int:
     session = request.session
     image = (load_volume if request.is_volume else load_image)(request.path, **request.part)
     parameters = fit_parameters(image, request.parameters, scales=request.fits_scales)
-    if not request.is_volume and request.part.get("page") is None and _is_plane_of_volume(request):
+    if (
+        not request.is_volume
+        and request.part.get("page") is None
+        and (open_stack(request.path, request.part.get("series")).default_plane > 0)
+    ):
         print_message(f"{image.source}: --volume runs all of its planes.")
     truth = load_named_truth(request.truth_file, image)
     for place in (place for clicks in request.clicked for click in clicks if click.inside for place in click.places):
@@ -270,11 +274,6 @@ def _run_image(request: RunRequest) -> int:
         lines.append(sentence)
     advice = _CLOSE_ADVICE if any(count_left_out(shown, find_format_suffix(path)) for path in files.refused) else ""
     return print_report("run", request.as_json, facts, lines, files, advice)
-
-
-def _is_plane_of_volume(request: RunRequest) -> bool:
-    """Return whether the image of a run is the middle plane of a volume, which was taken by default."""
-    return open_stack(request.path, request.part.get("series")).default_plane > 0
 
 
 def _select_objects(result: Result, request: RunRequest) -> FoundObjects | None:

@@ -192,7 +192,7 @@ def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Ar
     if labels.geometry is not None and volume.geometry is not None:
         qform, _ = geometry_from_affine(volume.geometry.qform_affine(volume.spacing)[:, [2, 1, 0, 3]], "LPS")
         places = (volume.geometry, replace(qform, convention=volume.geometry.convention))
-        aligned = (_align_labels(labels, labels.geometry, volume, place) for place in places)
+        aligned = (_align_labels(labels, values, labels.geometry, volume, place) for place in places)
         found = next(filter(None, aligned), None)
         if found is None:
             raise ValueError(
@@ -207,9 +207,9 @@ def _add_aligned_labels(labels: DecodedImage, name: str, volume: Image, into: Ar
 
 
 def _align_labels(
-    labels: DecodedImage, lies_at: Geometry, volume: Image, place: Geometry
+    labels: DecodedImage, values: Array, lies_at: Geometry, volume: Image, place: Geometry
 ) -> tuple[Array, tuple[slice, ...]] | None:
-    """Turn the values of labels as a volume lies at a place, by its sform or qform; None if they lie elsewhere.
+    """Turn the `values` of labels as a volume lies at a place, by its sform or qform; None if they lie elsewhere.
 
     Returns
     -------
@@ -220,8 +220,6 @@ def _align_labels(
     """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
-    with np.errstate(invalid="ignore"):  # a NaN may be one that warns
-        values: Array = np.asarray(labels.values, float)
     part: tuple[slice, ...] = (slice(None),) * 3
     spacing = labels.spacing
     if len(values) == 1:  # a slice, as thick as those of the volume

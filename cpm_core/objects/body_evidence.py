@@ -14,7 +14,7 @@ from cpm_core.objects.background import measure_edge_steps
 from cpm_core.objects.boundaries.necks import measure_hull
 from cpm_core.objects.confidence import BodyFeatures, ChoiceFeatures, estimate_body_confidence, score_choice
 from cpm_core.objects.prior.body_prediction import BodyPrediction
-from cpm_core.objects.selection import Selection
+from cpm_core.objects.selection import Selection, remark_on_doubt
 
 _MIN_RELATIVE_STEP = 0.35
 """Rise of gray levels across a surface, in medians of it along the surface, below which there is a gap."""
@@ -78,8 +78,8 @@ def measure_choice(found: Selection) -> ChoiceFeatures:
 
 
 def rate_body(found: Selection) -> Selection:
-    """Rate the body of a volume: return it with its confidence."""
-    return replace(found, confidence=estimate_body_confidence(measure_body(found)))
+    """Rate the body of a volume: return it with its confidence, and with a remark if that is almost zero."""
+    return remark_on_doubt(replace(found, confidence=estimate_body_confidence(measure_body(found))))
 
 
 def measure_body(found: Selection) -> BodyFeatures:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
+from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.region_contrast import MeanContrast
 from cpm_core.numerics import polyline
@@ -260,6 +262,14 @@ def compute_outlines(mask: Mask, guides: BoundaryGuides) -> tuple[ObjectOutline,
             free = np.insert(free, after, False)
         found.append(_build_outline(vertices, free, guides))
     return tuple(sorted(found, key=lambda outline: -outline.contour.length))
+
+
+def measure_strengths(values: Array, paths: Sequence[Array]) -> list[float]:
+    """Measure the mean edge strength along paths, each of shape (K, 2) [px], as that of the boundaries of objects."""
+    if not paths:
+        return []
+    strength = edge_map(values, OBJECT_SMOOTHING)[None]
+    return [float(interpolate_field(strength, polyline.sample_path(path, 1.0)).mean()) for path in paths]
 
 
 def _build_outline(points: Array, free: Mask, guides: BoundaryGuides) -> ObjectOutline:

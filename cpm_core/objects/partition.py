@@ -52,11 +52,13 @@ from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction,
 from cpm_core.objects.selection import (
     CONFLICTING_POINT_REMARK,
     EXCLUDED_POINT_REMARK,
+    UNLIKELY_REMARK,
     Candidate,
     Selection,
     find_newer_points,
     is_among,
     keep_last_marks,
+    remark_on_doubt,
 )
 from cpm_core.objects.vessels import find_thin_object
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
@@ -110,14 +112,8 @@ _MIN_DRAWN_SHARE = 0.1
 _NO_OBJECT_REMARK = "No object was found around these points: only their own pixels are selected."
 """Remark on a selection that holds only the pixels of its points."""
 
-_LEAST_CONFIDENCE = 0.05
-"""Confidence below which an answer has a remark: of twenty such answers not one is an object."""
-
 _LINE_CONFIDENCE = 0.02
 """Confidence below which a line that the points lie in precedes an answer, as it is right more often."""
-
-_UNLIKELY_REMARK = "There may be no object here: the confidence is almost zero."
-"""Remark on a selection of almost no confidence, as in the background."""
 
 
 @record
@@ -413,13 +409,14 @@ class Partition(drawing.Pictured):
         """Outline a candidate, with a remark if hardly anything says that it is an object.
 
         What has not changed stays the previous selection: another point that says the same makes it no more likely.
+        Nor does a negative one that leaves nearly all of it.
         """
         inside, outside, remark, previous = request.inside, request.outside, request.remark, request.previous
         mask = found.region.paste(self.shape)
         if request.is_empty:
             return self.build_selection(mask, inside, outside, remark or "No point is marked as inside.")
         if previous is not None and np.array_equal(mask, previous.mask):
-            known = previous.remark if previous.remark in (_NO_OBJECT_REMARK, _UNLIKELY_REMARK) else ""
+            known = previous.remark if previous.remark in (_NO_OBJECT_REMARK, UNLIKELY_REMARK) else ""
             return replace(previous, inside=inside, outside=outside, remark=remark or known)
         features = found.features
         if features is None and mask.any():
@@ -427,9 +424,11 @@ class Partition(drawing.Pictured):
         answer = self.build_selection(mask, inside, outside, remark, features, found.unambiguous)
         if self.model and found.features is not None:
             answer = replace(answer, model=model_title(self.model))
+        if previous is not None and _DUPLICATE_IOU * previous.region.size <= answer.region.size < previous.region.size:
+            answer = replace(answer, confidence=min(answer.confidence, previous.confidence))
         if not remark and answer.has_only_points:
             return replace(answer, remark=_NO_OBJECT_REMARK)
-        return answer if remark or answer.confidence >= _LEAST_CONFIDENCE else replace(answer, remark=_UNLIKELY_REMARK)
+        return remark_on_doubt(answer)
 
     def _read_request(
         self,

@@ -168,7 +168,19 @@ CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; t
 """Remark on a selection by points that contradict each other."""
 
 
+UNLIKELY_REMARK = "There may be no object here: the confidence is almost zero."
+"""Remark on a selection of almost no confidence, as in the background."""
+
+_LEAST_CONFIDENCE = 0.05
+"""Confidence below which a selection has this remark: of twenty such answers not one is an object."""
+
 _Points = TypeVar("_Points", Array, Index)
+
+
+def remark_on_doubt(selection: Selection) -> Selection:
+    """Return a selection with a remark if hardly anything says that it is an object, and nothing else is remarked."""
+    doubted = not selection.remark and selection.confidence < _LEAST_CONFIDENCE  # which is not said of an unknown one
+    return replace(selection, remark=UNLIKELY_REMARK) if doubted else selection
 
 
 def keep_last_marks(inside: _Points, outside: _Points, newer: Mask) -> tuple[_Points, _Points, bool]:

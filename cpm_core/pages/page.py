@@ -13,6 +13,7 @@ from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.numerics.grids import rank_values
 from cpm_core.numerics.types import Integers, JsonObject, frozen, record
+from cpm_core.objects.outline import measure_strengths
 from cpm_core.pages.tracks import EventKind, TrackEvent, find_origins
 from cpm_core.parameters.formatting import format_count, format_repr
 from cpm_core.results.result import Result
@@ -152,18 +153,24 @@ class Track:
 
 
 def strip_image(result: Result) -> Result:
-    """Strip a result of its image: contours as files hold them, with their contrast and gray values."""
+    """Strip a result of its image: contours as files hold them, with their contrast and gray values.
+
+    Their strength is measured as that of objects, which may be listed beside them.
+    """
+    strengths, image = [contour.strength for contour in result.contours], result.image
+    if image is not None:
+        strengths = measure_strengths(image.gray_levels(result.channel), [one.path for one in result.contours])
     contours = tuple(
         replace(
             contour,
             points=np.round(contour.points, _VERTEX_DECIMALS),
-            strength=round(contour.strength, _MEASURE_DECIMALS),
+            strength=round(strength, _MEASURE_DECIMALS),
             measure_contrast=None
             if contour.measure_contrast is None
             else partial(round, contour.contrast, _MEASURE_DECIMALS),
             gray=gray,
         )
-        for contour, gray in zip(result.contours, _measure_gray_means(result), strict=True)
+        for contour, strength, gray in zip(result.contours, strengths, _measure_gray_means(result), strict=True)
     )
     bridges = tuple(
         replace(

@@ -22,7 +22,7 @@ from cpm_core.objects.all_bodies import find_bodies_everywhere
 from cpm_core.objects.all_objects import build_proposal, find_objects_everywhere
 from cpm_core.objects.body_evidence import rate_body
 from cpm_core.objects.partition import Partition
-from cpm_core.objects.selection import Selection
+from cpm_core.objects.selection import Selection, remark_on_doubt
 from cpm_core.objects.volume_partition import FoundInImage, VolumePartition, require_image
 from cpm_core.parameters.provenance import Provenance
 
@@ -196,7 +196,7 @@ def _find_continued_objects(partition: Partition, pieces: Arrays, check: Callbac
     for mask in partition.find_unambiguous_objects():
         check()
         taken |= mask
-        yield build_proposal(partition, mask, unambiguous=True)
+        yield remark_on_doubt(build_proposal(partition, mask, unambiguous=True))
     left = [each for each in pieces if taken[tuple(np.rint(each).astype(int).T)].mean() <= _MAX_TAKEN_SEEDS]
     for one in _find_started_objects(partition, left, check):
         if taken[one.region.window][one.region.mask].mean() <= _SAME_OBJECT_OVERLAP:

@@ -10,13 +10,11 @@ import numpy as np
 
 from cpm_core.contours.contour import Bridge
 from cpm_core.contours.surface import join_surfaces
-from cpm_core.field.edge_map import edge_map
-from cpm_core.field.interpolation import interpolate_field
 from cpm_core.image.image import Image
 from cpm_core.image.surface import Label
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Sides
-from cpm_core.objects.outline import OBJECT_SMOOTHING
+from cpm_core.objects.outline import measure_strengths
 from cpm_core.objects.segmented import SegmentedObjects, class_label, object_label, selection_from_object
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import require_image
@@ -147,11 +145,8 @@ def add_segmented_objects(
 
 def _measure_gaps(gaps: Sequence[Array], image: Image, channel: str) -> list[Bridge]:
     """Measure the gaps of outlines, each of shape (K, 2) [px], in their image."""
-    if not gaps:
-        return []
-    strength = edge_map(image.gray_levels(channel), OBJECT_SMOOTHING)
-    means = (interpolate_field(strength[None], polyline.sample_path(gap, 1.0)).mean() for gap in gaps)
-    return [Bridge(gap, polyline.path_length(gap), float(mean)) for gap, mean in zip(gaps, means, strict=True)]
+    strengths = measure_strengths(image.gray_levels(channel), gaps)
+    return [Bridge(gap, polyline.path_length(gap), mean) for gap, mean in zip(gaps, strengths, strict=True)]
 
 
 def replace_by_objects(

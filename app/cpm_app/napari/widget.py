@@ -103,7 +103,15 @@ class FindWidget(Container):  # type: ignore[misc, type-arg, unused-ignore]
                     create_widget(annotation=kind, name=name, label=title, options={"tooltip": tooltip})
                     for name, (kind, title, tooltip) in _LAYER_CHOICES.items()
                 ),
-                ComboBox(name="model", label="Model", choices=_list_models(), tooltip="What answers in images."),
+                ComboBox(
+                    name="model",
+                    label="Model",
+                    choices=[
+                        ("Network", ""),
+                        *((one.title, name) for name, one in cpm.MODELS.items() if is_fetched(name)),
+                    ],
+                    tooltip="What answers in images.",
+                ),
                 *self.sliders,
                 self.button,
                 self.message,
@@ -277,11 +285,6 @@ class FindWidget(Container):  # type: ignore[misc, type-arg, unused-ignore]
 def _shape(layer: Image) -> tuple[int, ...]:
     """Return the shape of an image, in its finest resolution, without channels of color."""
     return tuple((layer.data[0] if layer.multiscale else layer.data).shape[: layer.ndim])
-
-
-def _list_models() -> list[tuple[str, str]]:
-    """List the network and the larger models that have been fetched: titles and names."""
-    return [("Network", ""), *((one.title, name) for name, one in cpm.MODELS.items() if is_fetched(name))]
 
 
 def _find_layers(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from PySide6.QtCore import QObject, Signal
 
-from cpm_app.model.state.messages import BATCH_CATEGORY
 from cpm_app.model.text.language import elide_middle
 
 OPENING_CATEGORY = "opening"
@@ -39,6 +38,12 @@ UNEXPECTED_CATEGORY = "unexpected"
 
 PROJECT_CATEGORY = "project"
 """Category of messages about the states of the images of a folder."""
+
+BATCH_CATEGORY = "batch"
+"""Category of messages about the images of a folder."""
+
+LASTING_CATEGORIES = frozenset({BATCH_CATEGORY, EDITING_CATEGORY, RUNNING_CATEGORY})
+"""Categories whose news stays until the next edit, run or attempt, as it says what became of the last one."""
 
 PROGRAM_CATEGORIES = (RECOVERY_CATEGORY, JOURNAL_CATEGORY, UNEXPECTED_CATEGORY, PROJECT_CATEGORY, BATCH_CATEGORY)
 """Categories of messages that do not concern the open image, and stay when another one is opened."""

@@ -76,6 +76,11 @@ class UndoHistory:
         """Name of the change that redo repeats, empty if there is none."""
         return self._undone[-1].name if self._undone else ""
 
+    @property
+    def undone_objects(self) -> tuple[SegmentedObject, ...]:
+        """The objects after the change that redo repeats."""
+        return self._undone[-1].after.objects.items if self._undone else ()
+
     def find_deleted_objects(self, run: int) -> tuple[SegmentedObject, ...]:
         """Find the objects that changes have removed while a run, given by its number, was shown."""
         found: list[SegmentedObject] = []

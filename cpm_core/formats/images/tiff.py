@@ -380,11 +380,14 @@ def _read_interval(file: tifffile.TiffFile, series: int) -> float | None:
 def _read_channel_styles(file: tifffile.TiffFile, series: int) -> tuple[tuple[str, str], ...]:
     """Read name and color of each channel, as in `Stack`, from OME or ImageJ, whose tables may run down to black.
 
-    ImageJ labels planes, channel by channel: a label that all planes of a channel have is its name.
+    ImageJ labels planes, channel by channel: a label that all planes of a channel have is its name. What OME states of
+    the contrast, unless it is fluorescence, becomes a part of the name.
     """
     if file.ome_metadata:
         channels = _find_ome_pixels(file.ome_metadata, series).findall("{*}Channel")
-        return tuple((make_printable(one.get("Name", "")), _parse_ome_color(one.get("Color"))) for one in channels)
+        stated = [" ".join(map(one.get, ("Name", "ContrastMethod"), ("", ""))) for one in channels]
+        named = (make_printable(name.removesuffix("Fluorescence").strip()) for name in stated)
+        return tuple(zip(named, (_parse_ome_color(one.get("Color")) for one in channels), strict=True))
     hyperstack = file.imagej_metadata or {}
     tables, labels, count = hyperstack.get("LUTs", ()), hyperstack.get("Labels", ()), hyperstack.get("channels", 1)
     own = [set(labels[index::count]) for index in range(count)] if isinstance(labels, list) else []

@@ -90,6 +90,19 @@ def test_a_point_in_an_excluded_pixel_is_ignored_and_that_is_told(disk_partition
         disk_partition.select([(47, 40)], excluded=right[1:])
 
 
+def test_a_negative_point_that_leaves_nearly_all_of_a_joined_pair_makes_it_no_more_likely():
+    row, col = np.indices(SHAPE)
+    pair = (np.hypot(row - 48, col - 38) < 15) | (np.hypot(row - 48, col - 59) < 14)
+    noise = np.random.default_rng(1).normal(0.0, 9.0, SHAPE)
+    found = partition(ndi.gaussian_filter(40.0 + 60.0 * pair, 1.5) + noise)
+    before = found.select([(48, 38)])
+    assert overlap(before.mask, pair) > 0.9
+    for place in ((48, 72), (56, 70), (63, 35)):
+        after = found.select([(48, 38)], [place], previous=before)
+        assert 0.95 * before.region.size < after.region.size < before.region.size
+        assert after.confidence <= before.confidence
+
+
 @pytest.mark.parametrize("place", [(30, 44), (24, 36)])
 def test_points_that_change_nothing_leave_the_confidence_as_it_was(scene_partition, place):
     before = scene_partition.select([(30, 38)], [(30, 68)])

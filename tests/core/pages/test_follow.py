@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 
 import cpm_core as cpm
 from cpm_core.contours.contour import Contour
@@ -99,3 +100,17 @@ def test_tracks_follow_by_overlap(before, now, numbers, kinds):
     contours, events = tracker.assign_tracks(2, now, SHAPE)
     assert [contour.number for contour in contours] == numbers
     assert [event.kind for event in events] == kinds
+
+
+def test_the_strength_of_contours_on_pages_is_measured_as_that_of_objects_whatever_a_run_was_smoothed_by():
+    row, col = np.indices((64, 64))
+    values = scipy.ndimage.gaussian_filter(40.0 + 120.0 * (np.hypot(row - 32, col - 32) < 14), 1.0)
+    strengths = []
+    for objects in (False, True):
+        for preset in ("shape", "fluorescence"):
+            (page,) = cpm.follow_pages(
+                [cpm.Image(values)], cpm.circle((32, 32), 18), cpm.PRESETS[preset], objects=objects
+            )
+            strengths += [contour.strength for contour in page.contours]
+    assert len(strengths) == 4
+    np.testing.assert_allclose(strengths, strengths[0], rtol=0.02)

@@ -11,7 +11,7 @@ import cpm_core as cpm
 from cpm_core.formats import SessionFile, save_session
 from cpm_core.objects import compute_iou
 from cpm_core.objects.all_objects import find_objects_everywhere
-from cpm_core.results.found_objects import is_run_everywhere, split_seeds
+from cpm_core.results.found_objects import find_objects, is_run_everywhere, split_seeds
 from cpm_core.shapes import Circle, Everywhere, Grid, Sphere, Threshold
 from cpm_core.shapes.document_shapes import compute_seeds
 
@@ -49,6 +49,16 @@ def test_a_run_from_everywhere_proposes_all_objects_the_best_first(disks, seed) 
     assert [one.confidence for one in found] == sorted((one.confidence for one in found), reverse=True)
     everywhere = find_objects_everywhere(cpm.Partition.from_result(result))
     assert {one.mask.tobytes() for one in found} == {one.mask.tobytes() for one in everywhere}
+
+
+@pytest.mark.parametrize("continues", [False, True])
+def test_a_proposal_of_almost_no_confidence_has_the_remark_that_a_click_there_has(
+    disks, monkeypatch, continues
+) -> None:
+    result = run(disks, cpm.circle(ONE, 12))
+    monkeypatch.setattr("cpm_core.objects.partition.estimate_confidence", lambda features: 0.01)
+    remark = cpm.partition(result).select([ONE]).remark
+    assert remark and {one.remark for one in find_objects(result, continues=continues)} == {remark}
 
 
 @pytest.mark.parametrize("smoothing", [2, 2.0])

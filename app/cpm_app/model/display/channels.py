@@ -14,20 +14,21 @@ from cpm_core.image.gray_levels import sample_values
 from cpm_core.numerics.types import record
 
 CHANNEL_COLORS: dict[str, str] = {
-    "#0000ff": tr("Blue"),
-    "#00ff00": tr("Green"),
     "#ff0000": tr("Red"),
-    "#ff00ff": tr("Magenta"),
-    "#00ffff": tr("Cyan"),
-    "#ffff00": tr("Yellow"),
+    "#00ff00": tr("Green"),
+    "#0000ff": tr("Blue"),
     "#ffffff": tr("Gray"),
+    "#00ffff": tr("Cyan"),
+    "#ff00ff": tr("Magenta"),
+    "#ffff00": tr("Yellow"),
 }
-"""Titles of the usual colors, in the order in which they are given to channels without a color of their own."""
+"""Titles of the usual colors, in the order in which channels without a color of their own get them, as in ImageJ."""
 
 _TRANSMITTED_LIGHT = re.compile(
-    r"bright.?field|transmitted|phase.?contrast|(?<![a-z])(bf|dic|tl|t.?pmt)(?![a-z])", re.IGNORECASE
+    r"bright.?field|transmitted|phase.?contrast|\bphase$|hoffman|oblique|(?<![a-z])(bf|dic|tl|t.?pmt)(?![a-z])",
+    re.IGNORECASE,
 )
-"""Names of channels of transmitted light."""
+"""Names of channels of transmitted light, and of methods of contrast with it."""
 
 
 @record

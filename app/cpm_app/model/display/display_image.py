@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -81,20 +82,17 @@ class DisplayImage:
     size: Extent = ()
 
     @staticmethod
-    def from_shades(shades: Pixels) -> DisplayImage:
-        """Reduce shades, shape (H, W) or (H, W, 3), until the longest side is short."""
+    def from_shades(shades: Pixels, halve: Callable[[Pixels], Pixels] | None = None) -> DisplayImage:
+        """Reduce shades, shape (H, W) or (H, W, 3), until the longest side is short, by default to their means."""
         levels = [np.ascontiguousarray(shades)]
         while max(levels[-1].shape[:2]) > _OVERVIEW_SIDE:
-            levels.append(_halve_shades(levels[-1]))
+            levels.append((halve or _halve_shades)(levels[-1]))
         return DisplayImage(tuple(levels))
 
     @staticmethod
     def from_labels(shades: Pixels) -> DisplayImage:
         """Reduce shades that stand for labels, shape (H, W), by taking every other one, as means would be others."""
-        levels = [np.ascontiguousarray(shades)]
-        while max(levels[-1].shape) > _OVERVIEW_SIDE:
-            levels.append(np.ascontiguousarray(levels[-1][::2, ::2]))
-        return DisplayImage(tuple(levels))
+        return DisplayImage.from_shades(shades, lambda finer: np.ascontiguousarray(finer[::2, ::2]))
 
     @staticmethod
     def from_image(image: Image, window: IntensityWindow, channel: str = "luminance") -> DisplayImage:

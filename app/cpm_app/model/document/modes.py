@@ -124,7 +124,7 @@ def adapt_shapes_to_mode(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, 
 
 
 PRESET_OFFERS = {
-    "fluorescence": tr("This looks like a fluorescence image. Find all objects with settings for fluorescence?"),
+    "fluorescence": tr("Bright objects on a dark background: find all of them with settings for such images?"),
     "angiogram": tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?"),
     "ultrasound": tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?"),
 }

@@ -6,12 +6,6 @@ from dataclasses import replace
 
 from cpm_core.numerics.types import frozen
 
-BATCH_CATEGORY = "batch"
-"""Category of messages about the images of a folder."""
-
-_LASTING_CATEGORIES = frozenset({BATCH_CATEGORY})
-"""Categories whose news stays until it is dismissed: it ends work that nobody watches."""
-
 
 @frozen
 class Message:
@@ -31,17 +25,12 @@ class Message:
     error: bool = False
     category: str = ""
 
-    @property
-    def lasts(self) -> bool:
-        """Whether it stays until it is dismissed, or until its attempt is repeated."""
-        return self.error or self.category in _LASTING_CATEGORIES
-
 
 @frozen
 class Messages:
     """All messages that still apply.
 
-    The newest is shown. News gives way to errors after a while, unless it lasts; an error stays until it is dismissed,
+    The newest is shown. News gives way to errors; an error stays until it is dismissed,
     or until the attempt that it belongs to is repeated.
 
     Attributes

@@ -17,7 +17,7 @@ from cpm_core.numerics.grids import Window, enclose_windows, running_maximum
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import NO_POINTS, Line
 from cpm_core.numerics.weak_cache import WeakCache
-from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, boundary_from_polygon, polygon_from_boundary
+from cpm_core.objects.segmented import SegmentedObjects, boundary_from_polygon, polygon_from_boundary
 from cpm_core.objects.segmented.segmented_object import Clicks
 
 _SURFACE_CUTS = WeakCache[tuple[Contour, ...]](32)
@@ -92,14 +92,10 @@ def _outline_pixels(pixels: Mask, begin: Array) -> tuple[Line, ...]:
 
 def cut_objects(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
     """Cut objects by a slice, as objects of an image, with the clicks near it."""
-    items = tuple(cut for item in objects.items if (cut := _cut_object(item, here)) is not None)
+    cuts = ((item, cut_region(item.region, here)) for item in objects.items)
+    items = tuple(replace(item, clicks=(), region=Region(boundary)) for item, boundary in cuts if boundary)
     edited = objects.edited if any(item.number == objects.edited for item in items) else 0
     return replace(objects, items=items, clicks=select_near_clicks(objects.clicks, here), edited=edited)
-
-
-def _cut_object(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
-    boundary = cut_region(item.region, here)
-    return replace(item, clicks=(), region=Region(boundary)) if boundary else None
 
 
 def select_near_clicks(clicks: Clicks, here: Slice) -> Clicks:

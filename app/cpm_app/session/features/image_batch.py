@@ -7,10 +7,10 @@ from functools import partial
 from pathlib import Path
 
 from cpm_app.model.document.saving import to_session_file
-from cpm_app.model.state.messages import BATCH_CATEGORY
 from cpm_app.model.text.language import explain_system_error, tr
 from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.session import Session
+from cpm_app.session.session_messages import BATCH_CATEGORY
 from cpm_app.session.tasks.opening import list_images
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_core.formats import SESSION_SUFFIX, SessionFile, choose_file_name, save_session

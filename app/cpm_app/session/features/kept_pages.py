@@ -192,7 +192,8 @@ def link_pages(
 
     def measure_objects(number: int, document: Document) -> Result | None:
         result = build_objects_result(document)
-        return result and strip_image(replace(result, image=source.pages[number - 1]))
+        image, channel = source.pages[number - 1], document.parameters.channel
+        return result and strip_image(replace(result, image=image, channel=channel))
 
     objects = dict[int, Result]()
     for number, document in documents.items():

@@ -36,11 +36,9 @@ ObjectState = Literal["frozen", "hidden"]
 """A state that is switched on and off."""
 
 
-def describe_unlikely(count: int) -> str:
-    """Describe what to do with a number of proposals none of which is likely."""
-    if count == 1:
-        return tr("1 found, and it is not likely: select it to accept it.")
-    return tr("{count} found, none of them is likely: select those to accept.", count=count)
+def describe_doubtful(count: int) -> str:
+    """Describe what to do with a number of proposals all of which are doubtful."""
+    return tr("Only doubtful objects were found: {count}. Select those to accept.", count=count)
 
 
 class ObjectCommands(QObject):
@@ -71,7 +69,7 @@ class ObjectCommands(QObject):
         )  # fmt: skip
         if not rows and not copied:
             nothing = tr("There is nothing to accept: click in an object first.")
-            words = describe_unlikely(len(offered)) if offered else nothing
+            words = describe_doubtful(len(offered)) if offered else nothing
             self._session.messages.show(words, category=EDITING_CATEGORY)
             return
         self._accept_rows(tr("accept {what}"), rows, copied=copied)

@@ -35,7 +35,7 @@ from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
-from cpm_core.objects.segmented import Click, SegmentedObject, selection_from_object, unite_regions
+from cpm_core.objects.segmented import Click, selection_from_object, unite_regions
 from cpm_core.objects.segmented.segmented_object import Clicks
 
 _SAME_OBJECT_COVERAGE = 0.5
@@ -380,25 +380,22 @@ class ObjectSelection(QObject):
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
         known, found = self._session.document.objects, self._find_offered(partition)
-        rejected = (*known.rejected, *self._deleted_objects)
+        rejected, shown = known.rejected, self._session.scene.snapshot
+        if shown is not None:  # what the user has deleted is not proposed again by the same run
+            rejected += self._session.history.find_deleted_objects(shown.timeline.run_generation)
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
-            source, before = self.partition_updater.source, self._selectors
+            source = self.partition_updater.source
             waited = isinstance(source, EverywhereRun) and source == self._selectors_source
-            self._seen = {key: each.recall(known.clicks) for key, each in before.items() if waited}
+            self._seen = {key: each.known for key, each in self._selectors.items() if waited}
             self._selectors = {}
         if number not in self._selectors:
             self._selectors_source = self.partition_updater.source
+            undone = self._session.history.undone_objects
             self._selectors[number] = Selector(
-                partition, known.items, number, found, rejected, known.may_overlap, self._seen.get(number)
+                partition, known.items, number, found, rejected, known.may_overlap, undone, self._seen.get(number)
             )
         return self._selectors[number]
-
-    @property
-    def _deleted_objects(self) -> tuple[SegmentedObject, ...]:
-        """The objects that the user has deleted from the shown run, which does not propose them again; another may."""
-        shown = self._session.scene.snapshot
-        return () if shown is None else self._session.history.find_deleted_objects(shown.timeline.run_generation)
 
     def _request_answer(self) -> None:
         """Request an answer if anything that it depends on has changed."""
@@ -551,6 +548,4 @@ def describe_no_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]
     one, other = before[0].selection, after[0].selection
     if not before[0].clicks or not one.has_same_region(other):
         return ""
-    if after[0].clicks[-1].inside:
-        return tr("This click changes nothing: the position is already in the object.")
-    return tr("This click changes nothing: the position is outside the object.")
+    return tr("This click changes nothing: the object is so already.")

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from cpm_app.model.state.resolve import describe_contours, describe_skeleton
 from cpm_app.model.state.surface_figures import describe_surface
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_commands import describe_unlikely
+from cpm_app.model.text.language import tr, translate_core_text
+from cpm_app.session.features.object_commands import describe_doubtful
 from cpm_app.session.features.object_rows import ObjectRow
 from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.features.workspace import Workspace
@@ -29,9 +29,20 @@ def describe_outcome(workspace: Workspace) -> str:
     found = describe_surface(status.surface) if document.has_volume else describe_contours(status.contours)
     shown = workspace.session.scene.result
     ended = shown is not None and bool(shown.stop_reason)  # what is shown may come from a step before the end
-    if document.objects.items or not (ended and workspace.object_selection.offer_is_known):
-        return found
-    return f"{found} {insert_keys(tr('No object is offered: click one ({key:objects}).'))}"
+    return f"{found} {describe_lack(workspace)}" if ended and not document.objects.items else found
+
+
+def describe_lack(workspace: Workspace) -> str:
+    """Describe why there is neither an object nor a proposal, and what to do."""
+    session, selection = workspace.session, workspace.object_selection
+    sentence = tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run.")
+    if session.status.phase == "running" or not (selection.offer_is_known or selection.idle):
+        sentence = tr("The objects of the run are still being found.")
+    elif session.scene.result is not None and session.scene.result.stop_reason:
+        sentence = tr("No object is offered: click one ({key:objects}).")
+        if session.document.objects.rejected:
+            sentence = tr("All proposals are rejected: undo that ({key:undo}), or click one again ({key:objects}).")
+    return insert_keys(sentence)
 
 
 def _describe_proposals(workspace: Workspace, offered: Sequence[ObjectRow]) -> str:
@@ -39,7 +50,7 @@ def _describe_proposals(workspace: Workspace, offered: Sequence[ObjectRow]) -> s
     listed = workspace.object_list
     accepted = [row for row in listed.rows_to_accept if row.kind == "proposal"]
     if not accepted:
-        return describe_unlikely(len(offered)) if listed.pending_rows else ""
+        return describe_doubtful(len(offered)) if listed.pending_rows else ""
     doubtful = len(offered) - len(accepted)
     one = len(accepted) == 1
     if listed.selected_keys:
@@ -55,7 +66,8 @@ def _describe_proposals(workspace: Workspace, offered: Sequence[ObjectRow]) -> s
         sentence = tr("1 object found{likely}. Enter accepts it · {key:objects}, click: correct · {key:reject}: reject")
     else:
         sentence = tr("{count} objects found. Enter accepts all · {key:objects}, click: select · {key:reject}: reject")
-    proposals = {each.key: each for each in workspace.object_selection.proposals}
-    likely = format_confidence(proposals[accepted[0].key[1]].selection)
+    proposals = {each.key: each.selection for each in workspace.object_selection.proposals}
+    first = proposals[accepted[0].key[1]]
+    likely, remark = format_confidence(first), translate_core_text(first.remark) if one else ""
     numbers = {"count": len(offered), "chosen": len(accepted), "doubtful": doubtful}
-    return insert_keys(sentence, **numbers, likely=likely and f", {likely}")
+    return " ".join(filter(None, (remark, insert_keys(sentence, **numbers, likely=likely and f", {likely}"))))

@@ -34,8 +34,6 @@ from cpm_core import (
 )
 from cpm_core.formats.stack_files import paint_tracks
 from cpm_core.image import AnyRegions, plane_regions
-from cpm_core.image.region import Region
-from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, Mask, frozen
 from cpm_core.objects import partition_without_run
@@ -271,6 +269,8 @@ class Selector:
         Objects that are not proposed again.
     overlaps : bool
         Whether selections may run over existing objects that are not frozen.
+    undone : sequence of SegmentedObject
+        Objects whose acceptance was undone; their own clicks select them unchanged, as they were seen.
     shown : mapping of tuple of Click to Selection, optional
         What clicks have selected before the contours everywhere were known, or other objects changed, and the user has
         seen: another object takes its place only if it is more likely.
@@ -284,6 +284,7 @@ class Selector:
         found: tuple[Proposal, ...] = (),
         rejected: tuple[SegmentedObject, ...] = (),
         overlaps: bool = False,
+        undone: Sequence[SegmentedObject] = (),
         shown: Mapping[Clicks, Selection | None] | None = None,
     ) -> None:
         self.partition, self.edited = partition, edited
@@ -292,25 +293,27 @@ class Selector:
         self.items, self._offered, self._rejected = items, found, rejected
         self._limits = [item.region for item in items if item.number != edited and (item.frozen or not overlaps)]
         self._shown = shown or {}
-        self._known: dict[Clicks, Selection | None] = {}
+        self.known: dict[Clicks, Selection | None] = {}
+        """What clicks have selected, the least recently used ones first."""
         self._stepped: tuple[Clicks, tuple[Sequence[Selection], int]] | None = None
         """The clicks whose candidates were requested last, and the candidates, which take long in a volume."""
-        self._changed = next((item for item in items if item.number == edited), None)
+        changed = {initial_clicks(item, partition.shape): item for item in items if item.number == edited}
+        self._unchanged = {item.clicks: item for item in undone} | changed
 
     def selection_for(self, clicks: Clicks) -> Selection | None:
         """Return the object that clicks select; None if none of them is positive."""
-        selection = self._known.pop(clicks) if clicks in self._known else self._compute_selection(clicks)
-        if len(self._known) == _MAX_KEPT_SELECTIONS:
-            del self._known[next(iter(self._known))]  # the least recently used one
-        self._known[clicks] = selection
+        selection = self.known.pop(clicks) if clicks in self.known else self._compute_selection(clicks)
+        if len(self.known) == _MAX_KEPT_SELECTIONS:
+            del self.known[next(iter(self.known))]
+        self.known[clicks] = selection
         return selection
 
     def _compute_selection(self, clicks: Clicks) -> Selection | None:
         inside = collect_points(clicks, inside=True)
         if not len(inside):
             return None
-        item, made = self._changed, self._found_by_clicks.get(clicks)
-        if made is None and item is not None and clicks == initial_clicks(item, self.partition.shape):
+        item, made = self._unchanged.get(clicks), self._found_by_clicks.get(clicks)
+        if made is None and item is not None:
             made = replace(selection_from_object(item, self.partition.shape), image=self.partition.image)
             if isinstance(self.partition, Partition):  # to be compared with what further clicks give
                 made = replace(made, region=item.region.clipped(self.partition.shape))
@@ -329,15 +332,10 @@ class Selector:
             ):
                 made = seen
         if isinstance(self.partition, VolumePartition):
-            known = (one for one in self._known.values() if one is not None and one.has_same_region(made))
+            known = (one for one in self.known.values() if one is not None and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
             _ = made.surface, made.contains(inside)  # cached on this thread, not on the window's
         return made
-
-    def recall(self, clicks: Clicks) -> Mapping[Clicks, Selection | None]:
-        """Return what the first of these clicks has selected, the first two of them, and so on, as far as known."""
-        begun = (clicks[: index + 1] for index in range(len(clicks)))
-        return {each: self._known.get(each, self._shown.get(each)) for each in begun}
 
     def propose(self, clicks: Clicks) -> tuple[Proposal, ...]:
         """Return the object that clicks select, and then what is offered elsewhere."""
@@ -358,7 +356,7 @@ class Selector:
 
     def _is_quick(self, clicks: Clicks) -> bool:
         """Return whether the selection takes so little time that it can be shown while the pointer moves."""
-        if not isinstance(self.partition, VolumePartition) or clicks in self._known:
+        if not isinstance(self.partition, VolumePartition) or clicks in self.known:
             return True
         places = np.concatenate([np.array(each.places) for each in clicks])
         return self.partition.knows_bodies(places)
@@ -452,14 +450,9 @@ def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject])
     left = []
     for each in found:
         region = each.selection.region
-        places, most = _sample_pixels(region), _MUCH_LARGER * region.count
+        pixels, most = np.argwhere(region.mask) + region.origin, _MUCH_LARGER * region.count
+        places = pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)].astype(float)
         within = [item.region.encloses(places) for item in items if item.region.size < most]
         if not within or np.any(within, axis=0).mean() < 0.5:
             left.append(each)
     return left
-
-
-def _sample_pixels(region: Region) -> Array:
-    """Sample pixels of a region, spread over all of it, shape (N, D) [px]."""
-    pixels = np.argwhere(region.mask) + region.origin
-    return np.asarray(pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)], float)

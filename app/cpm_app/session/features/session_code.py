@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -12,6 +13,7 @@ from cpm_app.model.document.modes import needs_start
 from cpm_app.model.document.objects import object_from_selection
 from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.features.selector import parameters_everywhere
 from cpm_app.session.scene import Proposal
 from cpm_app.session.session import Session
@@ -50,23 +52,23 @@ def write_session_code(
 
     def write(task: BackgroundTask) -> str:
         code = _find_code(document, image, offered, "" if saved is None else str(saved), task)
-        if code is not None:
-            text = code.write_script() if language == "python" else code.write_command()
-            if text or not document.objects.items:
-                return text
-        if saved is None or not document.objects.items:
-            return ""
+        text = "" if code is None else code.write_script() if language == "python" else code.write_command()
+        if text:
+            return text
+        if code is None and not document.objects.items:
+            raise ValueError(tr("Accept an object and save the session first: another run would not offer the same."))
+        if saved is None:
+            raise ValueError(tr("Save the session first: without its file this cannot be repeated."))
         write_saved = write_saved_objects_command if language == "command" else write_saved_objects_script
         return write_saved(to_session_file(document, {}), str(saved))
 
-    def pass_on(text: str) -> None:
-        if text:
-            on_written(text)
-        else:
-            message = tr("Save the session first: without its file this cannot be repeated.")
-            session.messages.show(message, True, EXPORTING_CATEGORY)
-
-    session.tasks.start_task(tr("Repeating the session…"), write, tr("repeating the session"), on_result=pass_on)
+    session.tasks.start_task(
+        tr("Repeating the session…"),
+        write,
+        tr("repeating the session"),
+        partial(CommandFailed, category=EXPORTING_CATEGORY),
+        on_result=on_written,
+    )
 
 
 def _find_code(
@@ -80,6 +82,8 @@ def _find_code(
         items.append(shown.proposed_object)
     if objects.rejected and not items:  # of what the run proposes, what is left
         items = [each.proposed_object for each in offered]
+        if not items:
+            return None
     for session, file, of_run in _list_runs(document, saved):
         if not items:
             return SessionCode(session, file=file)

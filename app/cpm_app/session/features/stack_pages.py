@@ -164,8 +164,9 @@ class StackPages(QObject):
 
     @property
     def offers_objects(self) -> bool:
-        """Whether a page offers objects of which none has been accepted yet."""
-        done = {number for number, document in self.documents.items() if document.objects.items}
+        """Whether a page offers objects of which none has been accepted or rejected yet."""
+        known = ((number, document.objects) for number, document in self.documents.items())
+        done = {number for number, objects in known if objects.items or objects.rejected}
         return any(page.contours and number not in done for number, page in self._proposed.items())
 
     @property
@@ -345,15 +346,17 @@ class StackPages(QObject):
     # Results
 
     def _on_scene_changed(self) -> None:
-        """Keep the contours of the open page, once its run is at rest."""
+        """Keep the contours of the open page, once its run is at rest; an earlier step changes nothing."""
         scene = self._session.scene
-        shown = scene.result
+        shown, timeline = scene.result, scene.timeline
         if not self.has_images:
             return
         if self._last_objects is not scene.document.objects:
             self._last_objects = scene.document.objects
             self._link_soon()
         if shown is None or self._session.status.phase == "running":
+            return
+        if any(shown.steps < one.last for one in timeline.branches if one.identity == timeline.branch):
             return
         if shown is not self._last_result:
             self._last_result = shown

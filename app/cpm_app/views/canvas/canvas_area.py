@@ -15,7 +15,7 @@ from cpm_app.session.exchange.messages import OverlayData
 from cpm_app.session.features.comparison import CURRENT_KEY
 from cpm_app.session.features.outcome import describe_outcome
 from cpm_app.session.features.workspace import Workspace
-from cpm_app.session.session_messages import OPENING_CATEGORY, PROGRAM_CATEGORIES
+from cpm_app.session.session_messages import EDITING_CATEGORY, OPENING_CATEGORY, PROGRAM_CATEGORIES
 from cpm_app.session.worker.prepared_methods import AREA_OVERLAY
 from cpm_app.views.canvas.canvas import Canvas, ToolDispatcher
 from cpm_app.views.canvas.crosshair import Crosshair
@@ -120,6 +120,7 @@ class CanvasArea(QWidget):
             self._session.select_shape(None)
         if changed:
             self.crosshair.hide_crosshair()
+            self.messages.clear_category(EDITING_CATEGORY)
         self.canvas.setFocus()
         self._tells_outcome = False
         self.update_hint()
@@ -173,10 +174,8 @@ class CanvasArea(QWidget):
             tool.finish()
         elif self._can_accept:
             self._selection.do_in_order(self._workspace.object_commands.accept_pending)
-        elif not (self._selection.offer_is_known or self._selection.idle):  # nor is there a search that was canceled
-            self._session.messages.show(tr("The objects of the run are still being found: wait until they are shown."))
-        else:
-            return False
+        else:  # wait while objects are being found, unless the search was canceled
+            return not (self._selection.offer_is_known or self._selection.idle)
         return True
 
     def set_typing(self, is_typing: bool) -> None:

@@ -79,15 +79,19 @@ class ChannelBar(QScrollArea):
         button.setCheckable(True)
         button.clicked.connect(lambda shown: change(shown=shown))
         for color, title in CHANNEL_COLORS.items():
-            add_menu_action(menu, title, partial(change, color=color)).setIcon(create_swatch(color))
+            chosen = add_menu_action(menu, title, partial(change, color=color), checked=False)
+            chosen.setIcon(create_swatch(color))
+            chosen.setData(color)
         menu.addSeparator()
         ranges = {
             way: add_menu_action(menu, title, partial(self._layer.set_channel_range, index, way), checked=False)
             for way, title in RANGE_TITLES.items()
         }
 
-        def show_range() -> None:
-            """Check the range of the channel, and offer the others once it has been read."""
+        def show_look() -> None:
+            """Check color and range of the channel, and offer other ranges once it has been read."""
+            for action in menu.actions():
+                action.setChecked(action.data() == self._layer.looks[index].color)
             image, current = self._layer.find_channel_image(index), self._layer.channel_range(index)
             for way, action in ranges.items():
                 action.setChecked(way == current)
@@ -95,7 +99,7 @@ class ChannelBar(QScrollArea):
             ranges[FILE_RANGE].setVisible(image is not None and image.window is not None)
             ranges[MANUAL_RANGE].setVisible(current == MANUAL_RANGE)
 
-        menu.aboutToShow.connect(show_range)
+        menu.aboutToShow.connect(show_look)
         button.setMenu(menu)
         button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
         self._row.insertWidget(index + 1, button)

@@ -8,11 +8,12 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout
 from cpm_app.model.state.messages import Message, Messages
 from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
+from cpm_app.session.session_messages import LASTING_CATEGORIES
 from cpm_app.views.theme.icons import load_icon
 from cpm_app.views.widgets.containers import ElidedLabel, create_flat_button, fill_layout
 
 _MESSAGE_DURATION = 6000
-"""Time after which a message that is not an error disappears [ms]."""
+"""Time after which news disappears, unless it is of `LASTING_CATEGORIES` [ms]."""
 
 _DETAILS_WIDTH = 420
 """Width of the text of the whole message [px]."""
@@ -79,7 +80,7 @@ class MessageLine(QFrame):
         shown = messages.shown
         if messages.news is not None and messages.news is not before.news:
             self._timer.stop()
-            if not messages.news.lasts:
+            if messages.news.category not in LASTING_CATEGORIES:
                 self._timer.start()
         if shown is before.shown:
             return

@@ -14,7 +14,6 @@ from PySide6.QtWidgets import QApplication
 from cpm_app.model.document import edits, imported
 from cpm_app.model.document.imported import ImportedContent
 from cpm_app.model.export import ExportFile, ExportKind, ExportOrder, has_objects_to_export
-from cpm_app.model.state.messages import BATCH_CATEGORY
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_particles, has_volume
 from cpm_app.model.text.language import tr, translate_core_text
 from cpm_app.session.exchange.messages import ImageOpened
@@ -26,7 +25,7 @@ from cpm_app.session.features.import_contours import (
     save_pasted_picture,
 )
 from cpm_app.session.features.session_code import CodeLanguage, write_session_code
-from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY
+from cpm_app.session.session_messages import BATCH_CATEGORY, EXPORTING_CATEGORY, OPENING_CATEGORY
 from cpm_app.session.tasks.opening import list_images
 from cpm_app.session.tasks.tasks import ENDED_TASK
 from cpm_app.views.export.batch_dialog import BatchDialog
@@ -356,8 +355,8 @@ class BatchFeature(Feature):
 
     def _on_batch_done(self, done: BatchDone) -> None:
         parts = [tr("{done} of {count} images finished.", done=done.images - len(done.failed), count=done.images)]
-        found = {"count": done.objects, "likely": done.likely, "path": done.folder}
-        parts.append(tr("Objects: {count}, {likely} of them likely, in {path}.", **found))
+        found = {"count": done.objects, "doubtful": done.objects - done.likely, "path": done.folder}
+        parts.append(tr("Objects: {count}, {doubtful} of them doubtful, in {path}.", **found))
         if done.failed:
             names = ", ".join(done.failed[:_MAX_NAMED_IMAGES]) + ("…" if len(done.failed) > _MAX_NAMED_IMAGES else "")
             parts.append(tr("Could not be used: {names}.", names=names))

@@ -125,10 +125,12 @@ class ObjectsFeature(Feature):
             ActionSpec("delete_object", "Objects", "&Delete", "Remove the selection; the key Delete does the same.",
                        in_order(commands.delete_selected), gap=True, when=has_rows),
             ActionSpec("all_objects", "Objects", "Select &all", "Select all objects and proposals in the table.",
-                       in_order(self._select_all), "Ctrl+A", gap=True, when=has_image),
+                       in_order(lambda: objects.select_items(self._list_shown_keys())), "Ctrl+A", gap=True,
+                       when=has_image),
             ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection",
                        "Select everything that is not selected.",
-                       in_order(self._invert_selection), "Ctrl+I", when=has_image),
+                       in_order(lambda: objects.select_items(self._list_shown_keys() - objects.selected_keys)),
+                       "Ctrl+I", when=has_image),
             ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
                        "Select one row of the table after the other.",
                        in_order(self.select_next), "Shift+N", when=has_image),
@@ -184,12 +186,6 @@ class ObjectsFeature(Feature):
         else:
             return False
         return True
-
-    def _select_all(self) -> None:
-        self._object_list.select_items(self._list_shown_keys())
-
-    def _invert_selection(self) -> None:
-        self._object_list.select_items(self._list_shown_keys() - self._object_list.selected_keys)
 
     def _delete_after_waiting(self, is_back: bool) -> None:
         """Delete what is selected once all that waited has been done; with `is_back` the last click, if any is left."""

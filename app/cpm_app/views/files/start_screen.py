@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtGui import QImage, QKeyEvent, QPixmap
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
 
 from cpm_app.model.text.language import tr
 from cpm_app.views.widgets.containers import (
@@ -72,7 +72,7 @@ class StartScreen(QWidget):
         for grid in (self.recent, self.samples):
             grid.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
             grid.setTextElideMode(Qt.TextElideMode.ElideMiddle)
-            grid.picture_selected.connect(self._on_picture_selected)
+            grid.picture_selected.connect(lambda item: self.file_selected.emit(item.data(Qt.ItemDataRole.UserRole)))
         parent.installEventFilter(self)
         self.hide()
 
@@ -135,9 +135,6 @@ class StartScreen(QWidget):
         columns = max(1, (self.width() - 2 * _SCREEN_MARGIN - 20) // _GRID_CELL_SIZE.width())
         for grid in (self.recent, self.samples):
             grid.setFixedHeight(-(-grid.count() // columns) * _GRID_CELL_SIZE.height() + 4)
-
-    def _on_picture_selected(self, item: QListWidgetItem) -> None:
-        self.file_selected.emit(item.data(Qt.ItemDataRole.UserRole))
 
 
 def _create_heading(text: str) -> QLabel:

@@ -16,8 +16,8 @@ from cpm_app.views.items.item import Markers, TextLabels
 from cpm_app.views.layers.layer import Layer, LegendEntry, Option
 from cpm_app.views.theme import theme
 from cpm_core import Selection
-from cpm_core.numerics import Array, Position
-from cpm_core.objects.segmented import DEFAULT_CLASSES, SegmentedObject
+from cpm_core.numerics import Array
+from cpm_core.objects.segmented import DEFAULT_CLASSES
 from cpm_core.results import is_likely
 
 _PROPOSAL_OPACITY = 0.2
@@ -34,9 +34,6 @@ _DOUBTFUL_DASHES = (2.5, 5.0)
 
 _MAX_MARKED_PROPOSALS = 12
 """Largest number of proposals for which all doubtful ones are marked with their probability."""
-
-_MAX_CLICK_MARKS = 60
-"""Largest number of marked places of a click."""
 
 
 class ObjectLayer(Layer):
@@ -69,16 +66,17 @@ class ObjectLayer(Layer):
         )
         self._doubtful = Curves(theme.PROPOSAL_COLOR, 4.5, width=1.4, halo=2.8, dashed=_DOUBTFUL_DASHES)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
-        self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2))
+        self.points = Markers(6.9, size=9.0, pen=pg.mkPen(theme.CANVAS_HALO_COLOR, width=1.2))
+        self.strokes = Curves(theme.RESTING_COLOR, 6.8)
         self.awaited = Markers(6.85, size=22.0, symbol="o", brush=None, pen=theme.PROPOSAL_COLOR)
         self._paths: dict[int, tuple[Array, ...]] = {}
         """Paths of the shown objects by object number."""
         self._names, self._probabilities = TextLabels(5.8), TextLabels(5.85)
         self.add_items(self.fills, self._outlines, self._gaps, self._selected, self._hovered, self.proposal_fill)
         self.add_items(
-            self._proposal_outlines, self._doubtful, self.added, self.removed, self._clicks, self._probabilities
+            self._proposal_outlines, self._doubtful, self.added, self.removed, self.points, self._probabilities
         )
-        self.add_items(self.awaited)
+        self.add_items(self.strokes, self.awaited)
         self.add_items(self._names, switch="names")
 
     def legend_entries(self) -> Sequence[LegendEntry]:
@@ -135,7 +133,9 @@ class ObjectLayer(Layer):
         outlines = [(path, objects.color_of(item)) for item in seen for path in item.paths]
         self._outlines.show_paths([path for path, _ in outlines], [color for _, color in outlines])
         self._gaps.show_paths([np.array(gap) for item in seen for gap in item.gaps])
-        self._names.show_texts([(_find_top(item), item.name, objects.color_of(item)) for item in seen if item.name])
+        self._names.show_texts([
+            ((float(item.box[0][0]), item.center[1]), item.name, objects.color_of(item)) for item in seen if item.name
+        ])  # fmt: skip
 
     @property
     def _proposals(self) -> list[tuple[int, Selection]]:
@@ -189,16 +189,15 @@ class ObjectLayer(Layer):
         self.removed.show_areas([] if adds else changed)
 
     def _show_clicks(self) -> None:
-        """Mark the places of all clicks, thinned out along long strokes."""
-        clicks = self.scene.document.objects.clicks
-        marks = [
-            (at, each.inside) for each in clicks for at in each.places[:: 1 + len(each.places) // _MAX_CLICK_MARKS]
-        ]
-        brushes = {True: pg.mkBrush(theme.RESTING_COLOR), False: pg.mkBrush(theme.BARRIER_COLOR)}
-        self._clicks.show_markers(
-            [at for at, _ in marks],
-            symbol=["o" if inside else "x" for _, inside in marks],
-            brush=[brushes[inside] for _, inside in marks],
+        """Mark each click: a point by a symbol, a stroke by its line."""
+        colors = {True: theme.RESTING_COLOR, False: theme.BARRIER_COLOR}
+        marks = [(np.array(each.places), each.inside) for each in self.scene.document.objects.clicks]
+        drawn, points = ([mark for mark in marks if (len(mark[0]) > 1) is line] for line in (True, False))
+        self.strokes.show_paths([path for path, _ in drawn], [colors[inside] for _, inside in drawn])
+        self.points.show_markers(
+            [place for (place,), _ in points],
+            symbol=["o" if inside else "x" for _, inside in points],
+            brush=[pg.mkBrush(colors[inside]) for _, inside in points],
         )
 
     def _show_awaited_clicks(self) -> None:
@@ -211,11 +210,6 @@ def _list_proposals(scene: Scene) -> list[tuple[int, Selection]]:
     """List the proposals of a scene that can be drawn, with their keys."""
     offered = ((each.key, each.selection) for each in scene.objects.proposals)
     return [(key, found) for key, found in offered if isinstance(found, Selection) and found.has_boundary]
-
-
-def _find_top(item: SegmentedObject) -> Position:
-    """Return the middle of the upper side of the box around an object."""
-    return float(item.box[0][0]), item.center[1]
 
 
 def _selection_curves(selection: Selection) -> list[Array]:

@@ -29,13 +29,13 @@ from PySide6.QtWidgets import (
 
 from cpm_app.model.display.lengths import preferred_pixel_size
 from cpm_app.model.document.objects import class_title, list_classes
-from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_brush import BRUSH_RADIUS_RANGE
 from cpm_app.session.features.object_commands import ObjectCommands, ObjectState
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.object_measures import ObjectFigures
 from cpm_app.session.features.object_rows import ItemKey, ObjectRow, RowKind
+from cpm_app.session.features.outcome import describe_lack
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
 from cpm_app.views.theme import theme
@@ -269,7 +269,7 @@ class ObjectPanel(QWidget):
 
     def __init__(self, workspace: Workspace) -> None:
         super().__init__()
-        self._session = workspace.session
+        self._workspace, self._session = workspace, workspace.session
         self._object_list, self._commands = workspace.object_list, workspace.object_commands
         self._object_brush = workspace.object_brush
         self.table = ObjectTable(workspace)
@@ -308,8 +308,8 @@ class ObjectPanel(QWidget):
             self, singleShot=True, interval=0
         )  # deferred, so that several changes are shown at once
         self._update_timer.timeout.connect(self.show_selected)
-        listed = self._object_list
-        for changed in (listed.changed, listed.selection_changed, self._session.image_changed):
+        listed, selection = self._object_list, workspace.object_selection
+        for changed in (listed.changed, listed.selection_changed, selection.changed, self._session.image_changed):
             changed.connect(self._update_timer.start)
         self.show_selected()
 
@@ -331,8 +331,7 @@ class ObjectPanel(QWidget):
         parts = [
             one if found[kind] == 1 else many.format(count=found[kind]) for kind, one, many in words if found[kind]
         ]
-        nothing = insert_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
-        self.summary.setText(", ".join(parts) or nothing)
+        self.summary.setText(", ".join(parts) or describe_lack(self._workspace))
 
     def showEvent(self, event: QShowEvent) -> None:
         """Show what changed while the panel was hidden."""

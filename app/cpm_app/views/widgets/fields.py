@@ -293,7 +293,8 @@ class SpeedControl(QWidget):
         fill_layout(QHBoxLayout(self), self.slider, self.label, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         self.slider.valueChanged.connect(self._on_pace_changed)
-        session.image_changed.connect(self._end_slow_motion)
+        # the next image runs at the usual speed, if this one was watched at a lower one
+        session.image_changed.connect(lambda: self.slider.setValue(max(self.slider.value(), INITIAL_PACE_INDEX)))
 
     def speed_up(self) -> None:
         """Move the slider one notch up."""
@@ -302,10 +303,6 @@ class SpeedControl(QWidget):
     def slow_down(self) -> None:
         """Move the slider one notch down."""
         self.slider.setValue(self.slider.value() - 1)
-
-    def _end_slow_motion(self) -> None:
-        """Run the next image at the usual speed, if this one was watched at a lower one."""
-        self.slider.setValue(max(self.slider.value(), INITIAL_PACE_INDEX))
 
     def _on_pace_changed(self, index: int) -> None:
         self.label.setText(format_pace(RUN_PACES[index]))

@@ -58,17 +58,14 @@ _LAYOUT_VERSION = 2
 """Version of the stored layout."""
 
 
-def _tab_position(panel: Panel) -> int:
-    return _FIXED_TABS.index(panel.name) if panel.name in _FIXED_TABS else len(_FIXED_TABS)
-
-
 class Docks(QObject):
     """Column of tabs on the right of a window, and the panels in the layout `below_canvas` its canvas."""
 
     def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard, below: QBoxLayout) -> None:
         super().__init__(window)
         self._window, self._keyboard, self._laid_out = window, keyboard, False
-        self._panels = {panel.name: panel for panel in sorted(panels, key=_tab_position)}
+        ordered = sorted(panels, key=lambda panel: (*_FIXED_TABS, panel.name).index(panel.name))
+        self._panels = {panel.name: panel for panel in ordered}
         self.tabs = QTabWidget(documentMode=True)
         self.tabs.setMinimumWidth(_MIN_COLUMN_WIDTH)
         self.tabs.tabBar().setExpanding(False)

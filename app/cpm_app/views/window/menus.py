@@ -100,15 +100,16 @@ class ContextMenus(QObject):
 
     def open_menu_at(self, widget: QWidget | None, place: QPoint | None = None) -> None:
         """Open the menu of the item at a point of the screen in a widget, or of the selected item."""
-        while widget is not None:
-            if isinstance(widget, MenuOwner):
-                item, at = widget.menu_at(None if place is None else widget.mapFromGlobal(place))
+        owner = widget
+        while owner is not None:
+            if isinstance(owner, MenuOwner):
+                item, at = owner.menu_at(None if place is None else owner.mapFromGlobal(place))
                 if item:
-                    self._show_menu(item, widget, widget.mapToGlobal(at) if place is None else place)
+                    self._show_menu(item, owner, place or owner.mapToGlobal(at))
                     return
-            widget = widget.parentWidget()
-        if place is not None:
-            self._show_menu("", self._parent, place)
+            owner = owner.parentWidget()
+        if widget is not None:
+            self._show_menu("", self._parent, place or widget.mapToGlobal(widget.rect().center()))
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Open the menu unless a widget below has opened one."""

@@ -267,7 +267,8 @@ def test_window_command_line_and_library_propose_the_same_objects_under_the_same
             hand.key(KEY.Key_PageDown)
             hand.wait(lambda at=at: window.workspace.pages.number == at)
             settled(window, hand)
-        hand.wait(lambda: bool(selection.proposals))
+        # before the run of the page is back, the objects that are followed from the page before are offered
+        hand.wait(lambda: window.session.status.phase == "finished" and selection.idle and bool(selection.proposals))
         assert describe_outcome(window.workspace).startswith(f"{len(selection.proposals)} objects found")
         seen.append({each.number for each in selection.proposals})
         hand.canvas.setFocus()

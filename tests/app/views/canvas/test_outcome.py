@@ -44,9 +44,8 @@ def test_enter_draws_nothing_while_the_objects_of_a_run_are_being_found(ready, h
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: not selection.offer_is_known and not selection.idle)
-    with hand.qtbot.waitSignal(ready.session.messages.shown) as said:
-        hand.key(KEY.Key_Return)
-    assert said.args[0].startswith("The objects of the run are still being found")
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: ready.canvas_area.hint.text().endswith("The objects of the run are still being found."))
     assert ready.canvas_area.crosshair.position is None
     shown.set()
     hand.wait(lambda: selection.idle and selection.offer_is_known)
@@ -54,15 +53,15 @@ def test_enter_draws_nothing_while_the_objects_of_a_run_are_being_found(ready, h
     assert len(ready.session.document.objects.items) == 1
 
 
-def test_that_no_object_is_offered_is_not_said_of_contours_from_before_the_end(ready, hand) -> None:
+def test_that_none_is_offered_is_not_said_of_contours_from_before_the_end(ready, hand) -> None:
     end_run(ready, hand)
     hand.key(KEY.Key_X)
     hand.wait(lambda: not ready.workspace.object_selection.proposals)
     store = ready.session.store
-    assert "No object is offered" in describe_outcome(ready.workspace)
+    assert "All proposals are rejected" in describe_outcome(ready.workspace)
     before_end = replace(store.scene.reconstruction, result=replace(store.scene.result, stop_reason=""))
     store.set_scene(replace(store.scene, reconstruction=before_end))
-    assert "No object is offered" not in describe_outcome(ready.workspace)
+    assert "All proposals are rejected" not in describe_outcome(ready.workspace)
 
 
 def test_the_tool_speaks_again_once_it_is_chosen(ready, hand) -> None:
@@ -70,6 +69,57 @@ def test_the_tool_speaks_again_once_it_is_chosen(ready, hand) -> None:
     hand.key(KEY.Key_B)
     assert ready.canvas_area.hint.text() != said
     assert "no particle crosses" in ready.canvas_area.hint.text()
+
+
+def test_that_all_proposals_are_rejected_is_said_with_what_brings_them_back(ready, hand) -> None:
+    end_run(ready, hand)
+    panel = ready.panels["objects"]
+    ready.docks.reveal_panel("objects")
+    hand.key(KEY.Key_X)
+    said = "All proposals are rejected: undo that (Ctrl+Z), or click one again (W)."
+    hand.wait(lambda: panel.summary.text() == said)
+    hand.wait(lambda: describe_outcome(ready.workspace).endswith(said))
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: panel.summary.text() == "1 proposal")
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: not ready.workspace.object_selection.proposals)
+    hand.key(KEY.Key_W)
+    hand.click(32.0, 32.0)
+    hand.wait(lambda: panel.summary.text() == "1 proposal")
+
+
+def test_what_became_of_an_edit_is_said_until_the_next_one_and_other_news_for_a_while(ready, hand) -> None:
+    end_run(ready, hand)
+    line = ready.canvas_area.messages
+    interval = line._timer.interval()
+    line._timer.setInterval(1)
+    hand.key(KEY.Key_X)
+    said = "Rejected proposals: 1. Ctrl+Z brings them back."
+    hand.qtbot.wait(20)
+    assert line.text == said
+    hand.key(KEY.Key_Z, CONTROL)
+    assert line.text == ""
+    ready.session.messages.show("The view was copied.", category="exporting")
+    hand.wait(lambda: line.text == "")
+    hand.key(KEY.Key_X)
+    hand.key(KEY.Key_W)
+    assert line.text == ""
+    line._timer.setInterval(interval)
+
+
+def test_objects_that_are_being_found_are_not_said_to_be_missing(ready, hand, monkeypatch) -> None:
+    shown = threading.Event()
+    monkeypatch.setattr(object_selection, "find_proposals", lambda *given: shown.wait() and find_proposals(*given))
+    selection, panel = ready.workspace.object_selection, ready.panels["objects"]
+    ready.docks.reveal_panel("objects")
+    hand.wait(lambda: panel.summary.text() == "Nothing yet. Click an object with the Objects tool (W), or run.")
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: not selection.offer_is_known and not selection.idle)
+    ready.docks.reveal_panel("objects")
+    hand.wait(lambda: panel.summary.text() == "The objects of the run are still being found.")
+    shown.set()
+    hand.wait(lambda: panel.summary.text() == "1 proposal")
 
 
 def make_unlikely(monkeypatch) -> None:
@@ -82,11 +132,17 @@ def make_unlikely(monkeypatch) -> None:
     monkeypatch.setattr(object_selection, "find_proposals", find_unlikely)
 
 
+def test_almost_no_confidence_is_remarked_of_a_proposal_of_a_run_as_of_a_click(ready, hand, monkeypatch) -> None:
+    monkeypatch.setattr("cpm_core.objects.partition.estimate_confidence", lambda features: 0.01)
+    said = end_run(ready, hand)
+    assert said.startswith("There may be no object here: the confidence is almost zero. 1 object found, 1 %.")
+
+
 def test_enter_accepts_an_unlikely_object_only_once_it_is_selected(window, hand, monkeypatch) -> None:
     make_unlikely(monkeypatch)
     window.actions_by_name["start_grid"].trigger()
     said = end_run(window, hand)
-    assert said == "1 found, and it is not likely: select it to accept it."
+    assert said == "Only doubtful objects were found: 1. Select those to accept."
     with hand.qtbot.waitSignal(window.session.messages.shown) as shown:
         hand.key(KEY.Key_Return)
     assert shown.args[0] == said

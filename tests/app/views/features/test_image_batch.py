@@ -64,7 +64,7 @@ def test_a_folder_gets_the_objects_as_by_the_command_line_in_the_checked_formats
     hand.qtbot.mouseClick(dialog.run_button, Qt.MouseButton.LeftButton)
     assert not ready.actions_by_name["apply_to_folder"].isEnabled()
     line = ready.canvas_area.messages
-    hand.wait(lambda: line.text.startswith("1 of 2 images finished. Objects: 1, 1 of them likely, in "))
+    hand.wait(lambda: line.text.startswith("1 of 2 images finished. Objects: 1, 0 of them doubtful, in "))
     assert line.text.endswith("Could not be used: broken.png.")
     assert ready.actions_by_name["apply_to_folder"].isEnabled()
     images = " ".join(shlex.quote(str(path)) for path in sorted(folder.glob("*.png")))
@@ -84,7 +84,7 @@ def test_the_end_of_a_folder_stays_to_be_read(ready: MainWindow, hand: Hand, fol
     (folder / "broken.png").unlink()
     apply(hand)
     line = ready.canvas_area.messages
-    hand.wait(lambda: line.text.startswith("1 of 1 images finished. Objects: 1, 1 of them likely, in "))
+    hand.wait(lambda: line.text.startswith("1 of 1 images finished. Objects: 1, 0 of them doubtful, in "))
     assert not line.is_error
     assert not line._timer.isActive()
 

@@ -42,11 +42,11 @@ def click(hand, row: float, col: float, modifier: Qt.KeyboardModifier = NONE) ->
 
 
 def copied(hand, action: str) -> str:
-    """What an action of the menu Edit puts on the clipboard; empty where it asks to save the session first."""
+    """What an action of the menu Edit puts on the clipboard; empty where it asks to save the session."""
     clipboard, messages = QApplication.clipboard(), hand.window.canvas_area.messages
     clipboard.clear()
     hand.window.actions_by_name[action].trigger()
-    hand.wait(lambda: bool(clipboard.text()) or "Save the session first" in messages.text)
+    hand.wait(lambda: bool(clipboard.text()) or "ave the session first" in messages.text)
     return clipboard.text()
 
 
@@ -142,6 +142,21 @@ def test_proposals_that_were_rejected_are_left_out(ready, hand, tmp_path) -> Non
     hand.key(KEY.Key_X)
     hand.wait(lambda: selection.idle and len(selection.proposals) == 2)
     check_both(hand, tmp_path, (first, last))
+
+
+def test_of_a_run_whose_proposals_are_all_rejected_one_is_to_be_accepted_first(ready, hand, tmp_path) -> None:
+    selection, messages = ready.workspace.object_selection, ready.canvas_area.messages
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and bool(selection.proposals))
+    assert copied(hand, "copy_python")
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: selection.idle and not selection.proposals)
+    for action in ("copy_python", "copy_command"):
+        assert copied(hand, action) == ""
+        assert messages.text == "Accept an object and save the session first: another run would not offer the same."
+    assert ready.document_file.save_and_wait(tmp_path / "rejected.cpm")
+    assert copied(hand, "copy_python") == "" and messages.is_error
 
 
 def test_what_was_drawn_by_hand_is_taken_from_the_saved_session(window, hand, tmp_path) -> None:

@@ -57,6 +57,12 @@ def test_settings_for_the_kind_are_used_by_one_click_and_taken_back_by_one_key(w
     assert window.session.document == before
 
 
+def test_bright_objects_on_a_dark_background_are_said_to_be_that_and_no_kind_of_image(window, hand, nuclei) -> None:
+    open_image(window, hand, nuclei)  # as bones of a radiograph are
+    assert bar(window).text.startswith("Bright objects on a dark background")
+    assert "luorescence" not in bar(window).text
+
+
 def test_the_canvas_has_the_keyboard_with_an_offer_above_it_and_a_run_withdraws_it(window, hand, nuclei) -> None:
     open_image(window, hand, nuclei)
     window.session.edit("draw", lambda document: document.__class__(document.image, (Circle((20.0, 24.0), 9.0),)))

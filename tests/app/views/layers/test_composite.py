@@ -95,13 +95,13 @@ def choose_in_menu(window, hand, channel: int, title: str) -> None:
 
 def test_channels_without_colors_get_the_usual_ones_and_each_is_switched_by_a_click(composite, hand) -> None:
     assert bar(composite).isVisible() and [button.text() for button in bar(composite).buttons] == ["1", "2", "3"]
-    assert colors(hand) == [(0, 0, 255), (0, 255, 0), (255, 0, 0)]
+    assert colors(hand) == [(255, 0, 0), (0, 255, 0), (0, 0, 255)]
     click(hand, bar(composite).buttons[1])
-    assert colors(hand) == [(0, 0, 255), (0, 0, 0), (255, 0, 0)]
+    assert colors(hand) == [(255, 0, 0), (0, 0, 0), (0, 0, 255)]
     click(hand, bar(composite).buttons[0])
-    assert colors(hand) == [(0, 0, 0), (0, 0, 0), (255, 0, 0)]
+    assert colors(hand) == [(0, 0, 0), (0, 0, 0), (0, 0, 255)]
     click(hand, bar(composite).buttons[1])
-    assert colors(hand) == [(0, 0, 0), (0, 255, 0), (255, 0, 0)]
+    assert colors(hand) == [(0, 0, 0), (0, 255, 0), (0, 0, 255)]
     click(hand, bar(composite).composite)
     assert colors(hand) == [(255, 255, 255), (0, 0, 0), (0, 0, 0)]
     assert not bar(composite).buttons[1].isEnabled()
@@ -128,7 +128,7 @@ def test_light_of_channels_adds_up_to_white_at_most(window, hand, tmp_path) -> N
     pixels[2, :, 15:] //= 4
     tifffile.imwrite(tmp_path / "same.tif", pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
     open_channels(window, hand, tmp_path / "same.tif")
-    assert hand.color_at(20.0, 8.0) == (255, 255, 255) and hand.color_at(20.0, 20.0) == (64, 255, 255)
+    assert hand.color_at(20.0, 8.0) == (255, 255, 255) and hand.color_at(20.0, 20.0) == (255, 255, 64)
 
 
 def test_a_file_gives_names_and_colors_of_its_channels(window, hand, tmp_path) -> None:
@@ -167,11 +167,11 @@ def test_each_channel_keeps_its_range_when_another_one_is_worked_on(composite, h
     np.testing.assert_array_equal(composite.session.image.values, squares()[2])
     assert layer(composite).get_choice("range") == "0" and layer(composite).window == (0.0, SHADES[2])
     layer(composite).set_window(0.0, 5.0 * SHADES[2])
-    assert colors(hand) == [(0, 0, 85), (0, 255, 0), (51, 0, 0)]
+    assert colors(hand) == [(85, 0, 0), (0, 255, 0), (0, 0, 51)]
     assert bar(composite).buttons[2].font().bold() and not bar(composite).buttons[0].font().bold()
     choose(composite, hand, 0)
     assert layer(composite).window == (0.0, 3.0 * SHADES[0])
-    assert colors(hand) == [(0, 0, 85), (0, 255, 0), (51, 0, 0)]
+    assert colors(hand) == [(85, 0, 0), (0, 255, 0), (0, 0, 51)]
     np.testing.assert_array_equal(composite.session.image.values, before)
 
 
@@ -181,7 +181,7 @@ def test_a_session_brings_back_the_looks_of_channels_and_reads_none_that_is_off(
     click(hand, bar(composite).buttons[1])
     choose_in_menu(composite, hand, 2, "Yellow")
     layer(composite).set_window(0.0, 3.0 * SHADES[0])
-    expected = [(0, 0, 85), (0, 0, 0), (255, 255, 0)]
+    expected = [(85, 0, 0), (0, 0, 0), (255, 255, 0)]
     assert colors(hand) == expected
     saved = tmp_path / "kept.cpm"
     composite.get_feature(OpenSaveFeature).document_file.save_and_wait(saved)
@@ -227,13 +227,13 @@ def test_the_channels_of_a_volume_are_seen_in_all_slices_in_space_and_at_other_t
         panel.bar.checks[part].setChecked(True)
         hand.wait(lambda: panel.view.is_idle)
         found = panel.view._frame.picture.colors.reshape(-1, 3)
-        assert (found == (0, 255, 255)).all(axis=1).any() and (found[:, 2] > found[:, 1]).any(), part
+        assert (found == (255, 255, 0)).all(axis=1).any() and (found[:, 0] > found[:, 1]).any(), part
         panel.bar.checks[part].setChecked(False)
-    assert hand.color_at(13.5, 15.5) == (0, 255, 255) and hand.color_at(13.5, 21.0) == (0, 0, 255)
+    assert hand.color_at(13.5, 15.5) == (255, 255, 0) and hand.color_at(13.5, 21.0) == (255, 0, 0)
     window.get_feature(PagesFeature).bar.number.setValue(2)
     hand.wait(lambda: window.workspace.pages.number == 2 and window.session.idle)
     wait_for_channels(window, hand)
-    assert hand.color_at(13.5, 21.0) == (0, 255, 255)
+    assert hand.color_at(13.5, 21.0) == (255, 255, 0)
 
 
 def test_channels_of_large_images_have_ranges_of_their_own_at_any_magnification(
@@ -246,7 +246,7 @@ def test_channels_of_large_images_have_ranges_of_their_own_at_any_magnification(
     layer(window).set_look(1, window=(0.0, 3.0 * SHADES[1]))
     layer(window).set_look(0, shown=False)
     places = [(160.0, 120.0 + 240.0 * channel) for channel in range(3)]
-    assert [hand.color_at(*place) for place in places] == [(0, 0, 0), (0, 85, 0), (255, 0, 0)]
+    assert [hand.color_at(*place) for place in places] == [(0, 0, 0), (0, 85, 0), (0, 0, 255)]
     hand.canvas.look_at(places[1], 20.0)
     assert hand.color_at(*places[1]) == (0, 85, 0)
 
@@ -259,7 +259,7 @@ def test_a_file_that_is_opened_while_channels_of_another_are_read_is_complete(wi
     window.session.open_file(tmp_path / "other.tif")
     hand.wait(lambda: window.session.document.image.name == "other.tif")
     wait_for_channels(window, hand)
-    assert colors(hand) == [(255, 0, 0), (0, 255, 0), (0, 0, 255)]
+    assert colors(hand) == [(0, 0, 255), (0, 255, 0), (255, 0, 0)]
 
 
 def test_red_green_and_blue_are_no_channels_of_a_composite(window, hand, tmp_path) -> None:
@@ -280,23 +280,27 @@ def test_of_channels_one_of_which_cannot_be_read_the_others_are_shown(window, ha
     monkeypatch.setattr(channel_images, "load_channel", load_all_but_one)
     open_file(window, hand, tmp_path / "cut.tif")
     hand.wait(lambda: 2 in layer(window).shown_channels)
-    assert colors(hand) == [(0, 0, 255), (0, 0, 0), (255, 0, 0)]
+    assert colors(hand) == [(255, 0, 0), (0, 0, 0), (0, 0, 255)]
     assert window.canvas_area.messages.text == "Channel 2 is not shown: cut.tif is damaged or cut short."
 
 
-@pytest.mark.parametrize("name", ["", "TL Brightfield"])
+@pytest.mark.parametrize(
+    ("name", "method"), [("", ""), ("TL Brightfield", ""), ("", "Phase"), ("Ch2", "HoffmanModulation")]
+)
 def test_transmitted_light_is_gray_and_off_at_first_unless_it_is_open(
-    window, hand, tmp_path, monkeypatch, name
+    window, hand, tmp_path, monkeypatch, name, method
 ) -> None:
     pixels, read, load = squares(), [], channel_images.load_channel
     pixels[1] = 180 - pixels[1]
     monkeypatch.setattr(channel_images, "load_channel", lambda *given: read.append(given[1].channel) or load(*given))
     metadata = {"axes": "CYX", "Channel": {"Name": ["DAPI", name, "GFP"]}}
+    if method:
+        metadata["Channel"]["ContrastMethod"] = ["Fluorescence", method, "Fluorescence"]
     tifffile.imwrite(tmp_path / "light.ome.tif", pixels, photometric="minisblack", metadata=metadata)
     open_channels(window, hand, tmp_path / "light.ome.tif")
     hand.wait(lambda: [button.isChecked() for button in bar(window).buttons] == [True, False, True])
-    assert colors(hand) == [(0, 0, 255), (0, 0, 0), (255, 0, 0)]
-    assert (2 in read) == (not name)
+    assert colors(hand) == [(255, 0, 0), (0, 0, 0), (0, 0, 255)]
+    assert (2 in read) == (not name + method)
     choose(window, hand, 1)
     assert [button.isChecked() for button in bar(window).buttons] == [True, True, True]
     assert colors(hand) == [(255, 255, 255), (0, 0, 0), (255, 255, 255)]
@@ -312,7 +316,17 @@ def test_channels_that_are_all_bright_are_all_shown(window, hand, tmp_path) -> N
     tifffile.imwrite(tmp_path / "stained.tif", pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
     open_channels(window, hand, tmp_path / "stained.tif")
     assert [button.isChecked() for button in bar(window).buttons] == [True] * 3
-    assert hand.color_at(2.0, 2.0) == (255, 255, 255) and hand.color_at(20.0, 15.0) == (255, 255, 0)
+    assert hand.color_at(2.0, 2.0) == (255, 255, 255) and hand.color_at(20.0, 15.0) == (0, 255, 255)
+
+
+def test_the_menu_of_a_channel_marks_its_color_and_range(composite, hand) -> None:
+    menu = bar(composite).buttons[2].menu()
+    for chosen in ("", "Cyan", "Red"):
+        if chosen:
+            choose_in_menu(composite, hand, 2, chosen)
+        menu.popup(QPoint(0, 0))
+        assert [each.text() for each in menu.actions() if each.isChecked()] == [chosen or "Blue", "All gray values"]
+        menu.close()
 
 
 def test_the_menu_of_a_channel_has_its_range(window, hand, tmp_path) -> None:
@@ -320,8 +334,8 @@ def test_the_menu_of_a_channel_has_its_range(window, hand, tmp_path) -> None:
     pixels[1, :4, :18] = 2 * SHADES[1]  # 2 % of the pixels
     tifffile.imwrite(tmp_path / "range.tif", pixels, photometric="minisblack", metadata={"axes": "CYX"}, ome=True)
     open_channels(window, hand, tmp_path / "range.tif")
-    assert colors(hand) == [(0, 0, 255), (0, 128, 0), (255, 0, 0)]
-    for channel, color in ((1, (0, 255, 0)), (0, (0, 0, 255))):
+    assert colors(hand) == [(255, 0, 0), (0, 128, 0), (0, 0, 255)]
+    for channel, color in ((1, (0, 255, 0)), (0, (255, 0, 0))):
         choose_in_menu(window, hand, channel, "All except 5 % at either end")
         assert colors(hand)[channel] == color
     assert layer(window).get_choice("range") == "5" and layer(window).channel_range(1) == "5"

@@ -180,6 +180,7 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
         "4 of 5 pages were run. Objects on them, each counted once: 1. On each page Enter accepts its objects; "
         "until then its contours are listed. 1 could not be used."
     )
+    strengths = column_texts(table, "strength")
     assert stack.session.status.phase == "finished"  # the page that is open shows its run
     assert len(stack.session.scene.contours) == 1
     for page in (1, 2, 3, 5):
@@ -192,6 +193,50 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
         hand.key(Qt.Key.Key_Return)
         hand.wait(lambda: bool(stack.session.document.objects.items))
     hand.wait(lambda: feature.panel.summary.text() == "4 of 5 pages finished; tracks: 1. 1 could not be used.")
+    for before, after in zip(strengths, column_texts(table, "strength"), strict=True):  # of contours, and of objects
+        assert before == after == "–" or float(after) == pytest.approx(float(before), rel=0.02)
+
+
+def test_enter_is_said_to_accept_nothing_once_all_that_pages_propose_is_rejected(stack, hand) -> None:
+    run_all(stack, hand)
+    feature = stack.get_feature(PagesFeature)
+    hand.key(Qt.Key.Key_F11, Qt.KeyboardModifier.ShiftModifier)
+    for page in (1, 2, 3, 5):
+        if page == 5:
+            hand.key(Qt.Key.Key_PageDown)  # past the constant page, which cannot be opened
+        if page > 1:
+            go(stack, hand, page=page)
+        assert "Enter accepts" in feature.panel.summary.text()
+        hand.wait(lambda: bool(stack.workspace.object_selection.proposals))
+        hand.canvas.setFocus()
+        hand.key(Qt.Key.Key_X)
+        hand.wait(lambda: bool(stack.session.document.objects.rejected))
+    hand.wait(lambda: feature.panel.summary.text() == "4 of 5 pages finished; tracks: 1. 1 could not be used.")
+
+
+def test_a_page_that_shows_an_earlier_step_keeps_its_place_in_the_plot(stack, hand) -> None:
+    run_all(stack, hand)
+    panel = stack.get_feature(PagesFeature).panel
+    hand.key(Qt.Key.Key_F11, Qt.KeyboardModifier.ShiftModifier)
+    areas = column_texts(panel.table, "area")
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Home)
+    hand.wait(lambda: not stack.session.scene.contours and stack.session.scene.result is not None)
+    settled(stack, hand)
+    go(stack, hand, page=2)
+    assert column_texts(panel.table, "area") == areas
+
+
+def test_objects_of_a_page_are_not_said_to_be_missing_while_they_are_being_found(stack, hand) -> None:
+    run_all(stack, hand)
+    stack.docks.reveal_panel("objects")
+    summary, said = stack.panels["objects"].summary, []
+    hand.canvas.setFocus()
+    for key, page in ((Qt.Key.Key_PageDown, 2), (Qt.Key.Key_PageUp, 1)):
+        hand.key(key)
+        hand.wait(lambda page=page: stack.workspace.pages.number == page)
+        hand.wait(lambda: said.append(summary.text()) or bool(stack.workspace.object_selection.proposals))
+    assert not [text for text in said if text.startswith("Nothing yet")]
 
 
 def test_a_double_click_in_the_table_goes_to_the_contour_and_selects_it(window, hand, tmp_path) -> None:

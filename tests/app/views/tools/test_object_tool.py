@@ -368,6 +368,34 @@ def test_a_stroke_says_the_same_of_all_that_it_crosses_and_is_one_step_of_undo(w
     assert not objects.selecting
 
 
+def test_each_click_has_one_mark_a_stroke_its_line(window, hand, objects, layer) -> None:
+    turns = np.linspace(0.4, 2.0 * np.pi, 30)
+    hand.drag(*((18.0 + 13.0 * np.sin(turn), 18.0 + 13.0 * np.cos(turn)) for turn in turns))
+    hand.wait(lambda: bool(objects.proposals))
+    assert (layer.strokes.count, len(layer.points.data)) == (1, 0)
+    click(hand, 43, 42)
+    click(hand, 43, 42, SHIFT)
+    assert (layer.strokes.count, len(layer.points.data)) == (1, 2)
+
+
+def test_undo_of_enter_brings_back_the_outline_that_was_seen_whatever_would_be_found_now(
+    window, hand, objects, monkeypatch
+) -> None:
+    click(hand, 18, 18)
+    click(hand, 43, 42)
+    seen = offered(objects)
+    take(hand)
+    (item,) = taken(window)
+    select = Partition.select
+    monkeypatch.setattr(Partition, "select", lambda self, *given, **more: select(self, [(60.0, 5.0)]))
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: objects.idle and bool(objects.proposals))
+    assert not taken(window) and len(window.session.document.objects.clicks) == 2
+    np.testing.assert_array_equal(offered(objects), seen)
+    take(hand)
+    assert taken(window)[0].region == item.region
+
+
 @pytest.mark.parametrize("corners", [6, 30])
 def test_a_stroke_around_an_object_whose_ends_nearly_meet_selects_it(window, hand, objects, corners) -> None:
     turns = np.linspace(0.4, 2.0 * np.pi, corners)

@@ -139,3 +139,12 @@ def test_a_key_opens_the_menu_of_what_is_chosen(ready, hand, menus, keys) -> Non
     hand.key(KEY.Key_N)
     hand.key(*keys)
     assert names(ready, menus.menu) == [name for name in CONTEXT_MENU_ACTIONS["shape"] if name]
+    menus.menu.close()
+    hand.key(KEY.Key_Q)
+    slider = ready.focusWidget()
+    hand.key(*keys)
+    by_key = texts(menus.menu)
+    menus.menu.close()
+    ask(slider, slider.rect().center())
+    assert by_key == texts(menus.menu) and "Timeline" in by_key
+    menus.menu.close()
