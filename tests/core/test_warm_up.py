@@ -46,10 +46,13 @@ def test_warming_up_next_to_a_run_does_not_change_it():
     assert together == alone
 
 
-def test_the_share_of_the_kernels_that_are_compiled_is_told(monkeypatch):
+def test_the_share_of_the_kernels_that_are_compiled_is_told_without_those_of_other_threads(monkeypatch):
     def part():
         for number in (1.0, 2):
             jit._numba().njit(lambda value: value + 1)(number)
+        other = threading.Thread(target=jit._numba().njit(lambda value: value + 2), args=(1.0,))
+        other.start()
+        other.join()
 
     told = []
     monkeypatch.setitem(warm_up_module._KERNELS, part, 4)
