@@ -39,7 +39,7 @@ no place of the image is farther from one."""
 Directions = NDArray[np.uint8]
 """Directions in which an image rises across the edges in each cell, a bit for each eighth of a turn."""
 
-_EIGHTHS = 1 << np.arange(8, dtype=np.uint8)
+_EIGHTHS = (1 << np.arange(8)).astype(np.uint8)
 _EXPLAINED = np.bitwise_or.reduce([np.roll(_EIGHTHS, turn) for turn in range(-2, 3)])
 """Directions of edges that a particle explains, by its own one: a right angle to each side."""
 
