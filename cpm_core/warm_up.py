@@ -18,7 +18,6 @@ from cpm_core.image.denoising import remove_noise
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.methods import CONTOUR_METHODS, Start, run_method
-from cpm_core.model.coverage import no_coverage
 from cpm_core.model.plane import motion
 from cpm_core.model.plane.repulsion import mesh_force
 from cpm_core.model.starts import circle
@@ -34,7 +33,6 @@ from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.reconstruction import find_contours
 from cpm_core.results.result import Result
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.finer_scale import find_unexplained_edges
 
 _IMAGE = 255.0 * (np.hypot(*(np.indices((32, 32)) - 15.5)) < 9.0)
 _TALL = np.zeros((512, 4))
@@ -61,10 +59,8 @@ def step_once() -> None:
 
 
 def contours_once() -> None:
-    """Run the kernels of the reconstruction, of a start everywhere, and of the forces of many particles."""
-    places, coverage = circle((15.5, 15.5), 5.0), no_coverage(_IMAGE.shape)
-    mesh_force(places, _IMAGE.shape, 4.0)  # which more particles than these would need
-    find_unexplained_edges(build_scale_field(_IMAGE, 1.0, 0.0), places, coverage.found.shape)
+    """Run the kernels of the reconstruction, and of the forces of many particles."""
+    mesh_force(circle((15.5, 15.5), 5.0), _IMAGE.shape, 4.0)  # which more particles than these would need
     _contours()
 
 
@@ -137,7 +133,7 @@ LATER: tuple[Part, ...] = (objects_once, large_once, extras_once)
 VOLUMES: tuple[Part, ...] = (volume_once,)
 """What a run in a volume needs."""
 
-_KERNELS: Mapping[Part, int] = {step_once: 14, contours_once: 6, volume_once: 16}
+_KERNELS: Mapping[Part, int] = {step_once: 12, contours_once: 6, volume_once: 13}
 """Number of kernels that a part compiles, for the share that is done."""
 
 

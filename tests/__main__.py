@@ -15,11 +15,10 @@ PARTS = {
     "releases": ("tests.supply",),
     "network": ("pytest", "-n0", "tests/supply"),
     "indices": ("pytest", "tests/core"),
-    "napari": ("pytest", "-n0", "tests/e2e/test_napari.py"),
     "claims": ("tests.benchmarks.claims",),
 }
-"""Long tests; examples never tried before; broken input; releases and licenses; no network; checked indices; napari;
-the claims of the paper."""
+"""Long tests; examples never tried before; broken input; releases and licenses; no network; checked indices; the
+claims of the paper."""
 
 
 def main() -> int:

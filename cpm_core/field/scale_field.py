@@ -154,7 +154,7 @@ class ScaleField:
             slopes=lambda part: self.slopes(
                 tuple(slice(at + side.start, at + side.stop) for at, side in zip(corner, part, strict=True))
             ),
-            edge_map=self.edge_map[window],
+            edge_map=np.ascontiguousarray(self.edge_map[window]),
             values=self.values[window],
             fixed_charges=self.fixed_charges[window],
             barrier_map=self.barrier_map.crop_to_window(window),

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import gc
 import logging
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, cached_property, update_wrapper
@@ -51,25 +52,26 @@ def _numba() -> Any:
         def on_end(self, event: Any) -> None:
             if was_enabled.pop():  # not within the compilation of a kernel that calls this one
                 gc.enable()
-            for tell in () if was_enabled else tuple(_told):
-                tell()
+            for thread, tell in () if was_enabled else tuple(_told):
+                if thread == threading.get_ident():
+                    tell()
 
     event.register("numba:compile", Pause())
     return numba
 
 
-_told: list[Callback] = []
-"""Functions to call whenever a kernel has been compiled."""
+_told: list[tuple[int, Callback]] = []
+"""Threads, and functions to call whenever one of them has compiled a kernel."""
 
 
 @contextmanager
 def tell_compiled(tell: Callback) -> Iterator[None]:
-    """Call a function whenever a kernel has been compiled, on any thread."""
-    _told.append(tell)
+    """Call a function whenever this thread has compiled a kernel; what others compile meanwhile does not count."""
+    _told.append(entry := (threading.get_ident(), tell))
     try:
         yield
     finally:
-        _told.remove(tell)
+        _told.remove(entry)
 
 
 @cache

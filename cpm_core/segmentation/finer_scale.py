@@ -15,16 +15,16 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import GRADIENT_COL, GRADIENT_ROW, interpolate_component, pixel_before
+from cpm_core.field.interpolation import EDGE_STRENGTH, FORCE_COL, FORCE_ROW, GRADIENT_COL, GRADIENT_ROW
 from cpm_core.field.scale_field import ON_EDGE_FORCE, ScaleField
-from cpm_core.model.coverage import COVERAGE_CELL, COVERAGE_REACH, NEVER_COVERED, Coverage, cell_indices, cell_of
+from cpm_core.model.coverage import COVERAGE_CELL, COVERAGE_REACH, NEVER_COVERED, Coverage, cell_indices
 from cpm_core.model.equations import IDLE_STEPS
 from cpm_core.model.interventions import allowed_places
+from cpm_core.model.plane.motion import edge_contact_at
 from cpm_core.model.plane.state import PlaneState
 from cpm_core.model.state import State
 from cpm_core.numerics.grids import run_in_bands
-from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Index, Mask, Single
 
 _MIN_THINNED_PIXELS = 2**20
 """Pixels of an image above which the coarsest scale begins with fewer seeds, and a finer one after any start."""
@@ -38,6 +38,10 @@ no place of the image is farther from one."""
 
 Directions = NDArray[np.uint8]
 """Directions in which an image rises across the edges in each cell, a bit for each eighth of a turn."""
+
+_EIGHTHS = (1 << np.arange(8)).astype(np.uint8)
+_EXPLAINED = np.bitwise_or.reduce([np.roll(_EIGHTHS, turn) for turn in range(-2, 3)])
+"""Directions of edges that a particle explains, by its own one: a right angle to each side."""
 
 
 def thin_seeds(state: State) -> State:
@@ -94,7 +98,8 @@ def find_unexplained_edges(field: ScaleField, place: Array, shape: tuple[int, ..
     edges, explained = np.zeros((2, *shape), np.uint8)
     packed = field.packed  # made here: threads that find it missing would each make it
     run_in_bands(partial(_mark_edges, packed, field.floor, edges), len(edges))
-    _mark_explained(packed, place, explained)
+    around = cell_indices(place, shape)[:, None] + _EXPLAINED_CELLS * np.mgrid[-1:2, -1:2].reshape(2, 9, 1)
+    _mark_cells(explained, around, _EXPLAINED[_directions(edge_contact_at(place, field)[2])])
     return edges != 0, (edges & ~explained) != 0
 
 
@@ -103,34 +108,23 @@ def _dilate_cells(cells: Mask, reach: int) -> Mask:
     return np.asarray(scipy.ndimage.maximum_filter(cells, 2 * reach + 1), bool)
 
 
-@compiled
-def _direction_at(packed: Single, y: float, x: float) -> int:
-    """Return the eighth of a turn in which an image rises at a position."""
-    place = pixel_before(packed, y, x)
-    down, right = interpolate_component(packed, GRADIENT_ROW, place), interpolate_component(packed, GRADIENT_COL, place)
-    return int(4.0 * (np.arctan2(down, right) / np.pi + 1.0)) % 8
+def _directions(slopes: Array) -> Index:
+    """Return the eighths of a turn in which slopes, shape (N, 2), rise."""
+    return (4.0 * (np.arctan2(*slopes.T) / np.pi + 1.0)).astype(np.int64) % 8
 
 
-@compiled
+def _mark_cells(cells: Directions, places: Index, bits: Directions) -> None:
+    """Add bits to some cells, rows and columns of shape (2, ...); those beyond belong to the ends."""
+    flat = np.ravel_multi_index(tuple(places), cells.shape, mode="clip")
+    np.bitwise_or.at(cells.reshape(-1), flat.ravel(), np.broadcast_to(bits, flat.shape).ravel())
+
+
 def _mark_edges(packed: Single, floor: float, edges: Directions, first: int, end: int) -> None:
     """Mark some rows of cells that contain pixels on edges."""
-    size, beyond = int(COVERAGE_CELL), packed.shape[0]
-    for row in range(first * size, beyond if end == len(edges) else min(end * size, beyond)):
-        for col in range(packed.shape[1]):
-            if packed[row, col, 4] >= floor and packed[row, col, 0] ** 2 + packed[row, col, 1] ** 2 < ON_EDGE_FORCE**2:
-                cell = cell_of(row, COVERAGE_CELL, edges.shape[0]), cell_of(col, COVERAGE_CELL, edges.shape[1])
-                edges[cell] |= np.uint8(1 << _direction_at(packed, row, col))
-
-
-@compiled
-def _mark_explained(packed: Single, place: Array, explained: Directions) -> None:
-    """Mark the directions of edges that particles explain, a right angle to each side, in the cells around them."""
-    rows, cols = explained.shape
-    for i in range(len(place)):
-        direction, bits = _direction_at(packed, place[i, 0], place[i, 1]), 0
-        for turn in range(-2, 3):
-            bits |= 1 << (direction + turn) % 8
-        row, col = cell_of(place[i, 0], COVERAGE_CELL, rows), cell_of(place[i, 1], COVERAGE_CELL, cols)
-        for r in range(max(row - _EXPLAINED_CELLS, 0), min(row + _EXPLAINED_CELLS + 1, rows)):
-            for c in range(max(col - _EXPLAINED_CELLS, 0), min(col + _EXPLAINED_CELLS + 1, cols)):
-                explained[r, c] |= np.uint8(bits)
+    size = int(COVERAGE_CELL)
+    lines = packed[first * size : None if end == len(edges) else end * size]
+    weak = lines[..., FORCE_ROW] ** 2 + lines[..., FORCE_COL] ** 2 < ON_EDGE_FORCE**2
+    row, col = np.nonzero(weak & (lines[..., EDGE_STRENGTH] >= floor))
+    slopes = lines[row, col, GRADIENT_ROW : GRADIENT_COL + 1].astype(float)
+    cells = cell_indices(np.stack([row + first * size, col], axis=1), edges.shape)
+    _mark_cells(edges, cells, _EIGHTHS[_directions(slopes)])

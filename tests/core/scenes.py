@@ -41,7 +41,7 @@ def circle_points(center: tuple[float, float], radius: float, count: int) -> Arr
 
 
 def disk(shape: tuple[int, int], center: tuple[float, float], radius: float) -> Scene:
-    values = antialiased(shape, lambda row, col: np.hypot(row - center[0], col - center[1]) < radius)
+    values = antialiased(shape, lambda row, col: (row - center[0]) ** 2 + (col - center[1]) ** 2 < radius**2)
     return Scene(
         values,
         lambda points: np.abs(np.hypot(points[:, 0] - center[0], points[:, 1] - center[1]) - radius),

@@ -9,6 +9,7 @@ import numpy as np
 from cpm_core import Engine, Parameters, circle
 from cpm_core import warm_up as warm_up_module
 from cpm_core.field import scale_field, scale_space
+from cpm_core.model.plane import state as state_module
 from cpm_core.numerics import jit
 from cpm_core.segmentation import local_fields
 from cpm_core.warm_up import warm_up
@@ -46,10 +47,13 @@ def test_warming_up_next_to_a_run_does_not_change_it():
     assert together == alone
 
 
-def test_the_share_of_the_kernels_that_are_compiled_is_told(monkeypatch):
+def test_the_share_of_the_kernels_that_are_compiled_is_told_without_those_of_other_threads(monkeypatch):
     def part():
         for number in (1.0, 2):
             jit._numba().njit(lambda value: value + 1)(number)
+        other = threading.Thread(target=jit._numba().njit(lambda value: value + 2), args=(1.0,))
+        other.start()
+        other.join()
 
     told = []
     monkeypatch.setitem(warm_up_module._KERNELS, part, 4)
@@ -79,11 +83,15 @@ def test_no_kernel_is_left_to_compile_for_a_large_image(monkeypatch):
     for module in (scale_field, scale_space, local_fields):
         monkeypatch.setattr(module, "LARGE_IMAGE_PIXELS", 1000)
     monkeypatch.setattr(scale_field, "_FIELD_TILE_SIDE", 20)
-    parameters = Parameters(scales=1)
-    for seeds in (circle((32.0, 32.0), 7.0), np.argwhere(np.ones((16, 16))) * 4.0):
-        engine = Engine(disk((64, 64), (32.0, 32.0), 14.0).values, parameters)
+    monkeypatch.setattr(state_module, "_MIN_WINDOWED_PIXELS", 1000)
+    monkeypatch.setattr(state_module, "_MIN_WINDOW_ROOM", 12)
+    parameters, windows = Parameters(scales=1), []
+    for seeds in (circle((64.0, 64.0), 7.0), np.argwhere(np.ones((16, 16))) * 8.0):
+        engine = Engine(disk((128, 128), (64.0, 64.0), 14.0).values, parameters)
         state = engine.start(seeds)
         for _ in range(40):
             state = engine.step(state, parameters)
         assert engine.result(state, parameters).contours
+        windows.append(state.window is not None)
+    assert windows == [True, False]
     assert compiled() == before

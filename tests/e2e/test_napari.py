@@ -25,6 +25,7 @@ def display():
         screen.terminate()
 
 
+@pytest.mark.long
 @pytest.mark.skipif(importlib.util.find_spec("napari") is None, reason="napari is not installed")
 @pytest.mark.skipif(shutil.which("Xvfb") is None, reason="Xvfb is not installed")
 def test_napari_reads_writes_and_finds_by_the_plugin_without_the_window(display, tmp_path):

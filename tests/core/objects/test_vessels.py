@@ -1,5 +1,7 @@
 """Vessels: a place in a tree of fine lines means the tree, and a place in or beside anything else does not."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import scipy
@@ -30,11 +32,15 @@ def away(row, col):
 DISTANCE = away(*np.indices((SIDE, SIDE), float))
 
 
+@cache
+def lines():
+    return antialiased((SIDE, SIDE), lambda row, col: away(row, col) < 0.5 * WIDTH)
+
+
 def drawn(sign, contrast=0.3, noise=2.0):
     """The tree, bright or dark, in uneven light."""
-    lines = antialiased((SIDE, SIDE), lambda row, col: away(row, col) < 0.5 * WIDTH)
     values = (
-        120.0 + sign * contrast * scipy.ndimage.gaussian_filter(lines - 40.0, 0.8) + 0.2 * np.indices(lines.shape)[1]
+        120.0 + sign * contrast * scipy.ndimage.gaussian_filter(lines() - 40.0, 0.8) + 0.2 * np.indices((SIDE, SIDE))[1]
     )
     return values + np.random.default_rng(2).normal(0.0, noise, values.shape)
 

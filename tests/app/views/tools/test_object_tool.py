@@ -175,10 +175,13 @@ NUCLEI: list[Act] = [
     (35, 65), KEY.Key_Return, (70, 222), KEY.Key_Return, (76, 280), KEY.Key_X, (96, 107), KEY.Key_Return,
     (70, 222), KEY.Key_4, (225, 217), (228, 217), KEY.Key_Return, "undo", KEY.Key_Return, (165, 173), "undo",
     (242, 105), KEY.Key_Return, (35, 65, CONTROL), KEY.Key_BracketRight, KEY.Key_Return,
+    (225, 217), KEY.Key_Escape, (225, 217), (228, 217, SHIFT), KEY.Key_BracketLeft, KEY.Key_Backspace,
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("sample", "acts"), [("hand.png", HAND), ("nuclei.png", NUCLEI)])
+@pytest.mark.parametrize(
+    ("sample", "acts"), [pytest.param("hand.png", HAND, marks=pytest.mark.long), ("nuclei.png", NUCLEI)]
+)
 def test_quick_clicks_and_keys_give_the_objects_that_slow_ones_give(
     window, hand, objects, monkeypatch, sample, acts
 ) -> None:
@@ -190,7 +193,7 @@ def test_quick_clicks_and_keys_give_the_objects_that_slow_ones_give(
     begin, select = window.session.document, Partition.select
 
     def select_slowly(*given, **more):
-        time.sleep(0.2)
+        time.sleep(0.05)
         return select(*given, **more)
 
     monkeypatch.setattr(Partition, "select", select_slowly)
@@ -209,7 +212,7 @@ def test_quick_clicks_and_keys_give_the_objects_that_slow_ones_give(
                 for event in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
                     event(hand.canvas.viewport(), Qt.MouseButton.LeftButton, *(keys or [NONE]), hand.at(row, col))
             waited += not objects.idle
-            hand.qtbot.wait(20)
+            hand.qtbot.wait(5)
             if not quick:
                 hand.wait(lambda: objects.idle and objects.answered)
         hand.wait(lambda: objects.idle and objects.answered)

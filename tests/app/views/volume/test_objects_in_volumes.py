@@ -360,7 +360,9 @@ def test_a_click_in_the_background_is_marked_says_that_it_finds_nothing_and_bind
     assert selection.proposals[0].selection.contains(np.array([ONE]))[0]
 
 
-@pytest.mark.parametrize("key", [KEY.Key_F2, KEY.Key_Delete, KEY.Key_Backspace, KEY.Key_M, KEY.Key_K])
+@pytest.mark.parametrize(
+    "key", [KEY.Key_F2, KEY.Key_Delete, pytest.param(KEY.Key_Backspace, marks=pytest.mark.long), KEY.Key_M, KEY.Key_K]
+)
 def test_what_follows_enter_before_the_answer_is_done_after_it(volume, hand, key) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_W)
