@@ -35,10 +35,12 @@ def describe_outcome(workspace: Workspace) -> str:
 def describe_lack(workspace: Workspace) -> str:
     """Describe why there is neither an object nor a proposal, and what to do."""
     session, selection = workspace.session, workspace.object_selection
-    sentence = tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run.")
-    if session.status.phase == "running" or not (selection.offer_is_known or selection.idle):
+    status, shown = session.status, session.scene.result
+    sentence = status.busy or tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run.")
+    running = status.phase == "running" or (status.started and status.found is None)
+    if running or not (selection.offer_is_known or selection.idle):
         sentence = tr("The objects of the run are still being found.")
-    elif session.scene.result is not None and session.scene.result.stop_reason:
+    elif shown is not None and shown.stop_reason:
         sentence = tr("No object is offered: click one ({key:objects}).")
         if session.document.objects.rejected:
             sentence = tr("All proposals are rejected: undo that ({key:undo}), or click one again ({key:objects}).")

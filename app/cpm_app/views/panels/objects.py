@@ -309,7 +309,8 @@ class ObjectPanel(QWidget):
         )  # deferred, so that several changes are shown at once
         self._update_timer.timeout.connect(self.show_selected)
         listed, selection = self._object_list, workspace.object_selection
-        for changed in (listed.changed, listed.selection_changed, selection.changed, self._session.image_changed):
+        session_signals = self._session.image_changed, self._session.store.status_changed
+        for changed in (listed.changed, listed.selection_changed, selection.changed, *session_signals):
             changed.connect(self._update_timer.start)
         self.show_selected()
 

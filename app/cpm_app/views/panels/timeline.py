@@ -324,10 +324,6 @@ class TimelinePanel(QWidget):
         navigation.changed.connect(self._on_timeline_changed)
         self._show_step()
 
-    @property
-    def _running(self) -> bool:
-        return self._status().phase == "running"
-
     def minimumSizeHint(self) -> QSize:
         """Return room for the buttons and a short track."""
         hint = super().minimumSizeHint()
@@ -336,7 +332,7 @@ class TimelinePanel(QWidget):
     # Internal
 
     def _on_timeline_changed(self) -> None:
-        if not self._running:
+        if self._status().phase != "running":
             self._update_timer.stop()
             self._show_step()
         elif not self._update_timer.isActive():
