@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -13,6 +14,7 @@ from hypothesis import HealthCheck, settings
 from cpm_core.numerics.parallel import count_cores
 from cpm_core.warm_up import is_compiled, warm_up
 
+TESTS = Path(__file__).parent
 _MOST_WORKERS = 4
 """Processes beyond which the memory that each one takes costs more than it saves."""
 
@@ -42,11 +44,20 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Compile the model's loops once, before the processes that share them begin."""
+    """Compile the model's loops and the tests once, before the processes that share them begin."""
     if getattr(session.config.option, "numprocesses", None) and not is_compiled():
-        calls = ("warm_up()", "warm_up_volumes()")
-        code = "from cpm_core.warm_up import warm_up, warm_up_volumes;"
-        processes = [subprocess.Popen([sys.executable, "-c", code + call]) for call in calls]
+        processes = [
+            subprocess.Popen(
+                [
+                    sys.executable,
+                    "-c",
+                    f"import pytest, cpm_core.warm_up as loops; loops.{call}();"
+                    f"pytest.main(['--collect-only', '-q', '-n0', {str(TESTS / folder)!r}])",
+                ],
+                stdout=subprocess.DEVNULL,
+            )
+            for call, folder in (("warm_up", "app"), ("warm_up_volumes", "core"))
+        ]
         for process in processes:
             assert process.wait() == 0
 
