@@ -12,12 +12,12 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import nearest_pixels, spread_labels
+from cpm_core.numerics.grids import nearest_pixels, spread_labels, true_bounds
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.boundaries.necks import measure_hull, split_at_necks
 from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
-from cpm_core.objects.prior.crops import average_blocks
+from cpm_core.objects.prior.crops import CROP_SIDE, average_blocks
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
 from cpm_core.objects.prior.network import Network
 from cpm_core.objects.prior.slice_propagation import propagate_correction
@@ -123,15 +123,16 @@ def find_part_at_necks(body: BodyPrediction, point: Array) -> BodyPrediction | N
     if not pieces[tuple(step)]:
         return None
     whole = pieces == pieces[tuple(step)]
-    inside = average_blocks(whole.astype(np.float32), 2) > 0.5
+    times = 1 if max(np.ptp(true_bounds(whole), axis=0)) < CROP_SIDE // 2 else 2
+    inside = average_blocks(whole.astype(np.float32), times) > 0.5
     parts = split_at_necks(inside)
-    number = parts[tuple(step // 2)]
+    number = parts[tuple(step // times)]
     if not number or parts.max() == 1:
         return None
     part = parts == number
     if np.count_nonzero(part) < _MIN_PART_SOLIDITY * measure_hull(part):
         return None
-    near = spread_labels(parts).repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
+    near = spread_labels(parts).repeat(times, axis=0).repeat(times, axis=1).repeat(times, axis=2)
     left_out = np.float32(-MAX_LOGIT)
     logits = np.where(whole & (near == number), body.logits, np.minimum(body.logits, left_out))
     slice_logits = np.where(whole & (near != number), left_out, body.slice_logits)
