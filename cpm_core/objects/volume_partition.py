@@ -37,8 +37,9 @@ from cpm_core.numerics.grids import (
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.background import lies_in_background
-from cpm_core.objects.body_evidence import find_meant_body
+from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE, find_meant_body, rate_body
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
+from cpm_core.objects.inner_parts import find_inner_parts
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -493,20 +494,32 @@ class VolumePartition:
         return found
 
     def split_body(self, number: int) -> tuple[Region, ...]:
-        """Split a body at its necks, as where nuclei touch; one region within the surface where there is no neck."""
+        """Split a body at its necks, as where nuclei touch, and into likely inner parts and the rest.
+
+        One region within the surface where there is neither.
+        """
         if number not in self._parts_of_bodies:
             boundary = self.extract_boundary(np.array([number]))
-            whole = Region(surface=boundary) if len(boundary.faces) else NO_VOXELS
-            parts: tuple[Region, ...] = () if whole.is_empty else (whole,)
-            if parts and number in self.solid_bodies:
-                window = expand_window(whole.window, 1, self.shape)
-                labels = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
-                numbers = range(1, int(labels.max()) + 1)
-                if len(numbers) > 1:
-                    first = first_pixel(window)
-                    parts = tuple(Region.from_mask(labels == each, first) for each in numbers)
-            self._parts_of_bodies[number] = parts
+            found: list[Region] = []
+            for part in self._split_at_necks(Region(surface=boundary)) if len(boundary.faces) else ():
+                inner = [
+                    each
+                    for one in find_inner_parts(self.values, part, self.voxel_sides)
+                    for each in self._split_at_necks(one)
+                    if rate_body(self.build_selection(each)).confidence >= MIN_INNER_CONFIDENCE
+                ]
+                found += [reduce(Region.without, inner, part), *inner]
+            self._parts_of_bodies[number] = tuple(one for one in found if not one.is_empty)
         return self._parts_of_bodies[number]
+
+    def _split_at_necks(self, whole: Region) -> tuple[Region, ...]:
+        """Split a region at its necks; the region itself where there is none."""
+        window = expand_window(whole.window, 1, self.shape)
+        labels = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
+        numbers = range(1, int(labels.max(initial=0)) + 1)
+        if len(numbers) < 2:
+            return () if whole.is_empty else (whole,)
+        return tuple(Region.from_mask(labels == each, first_pixel(window)) for each in numbers)
 
     def knows_bodies(self, places: Array) -> bool:
         """Return whether points, shape (N, 3) [voxels], all lie in bodies, and it is known how these are split."""

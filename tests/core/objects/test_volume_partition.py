@@ -13,10 +13,12 @@ from cpm_core.contours.surface import label_voxels
 from cpm_core.formats.common.json_values import from_json, to_json
 from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface
+from cpm_core.objects import compute_iou
 from cpm_core.objects.prior import body_predictor
 from cpm_core.objects.prior.body_prediction import BodyPrediction
 from cpm_core.objects.prior.crops import Crop3D
 from cpm_core.objects.segmented import SegmentedObject
+from tests.benchmarks.prior.bodies import scan
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
 SHELL, LONE = np.array([13.0, 14.0, 20.0]), np.array([34.0, 14.0, 20.0])
@@ -164,6 +166,14 @@ def test_a_click_in_a_clump_selects_the_body_another_adds_the_next_and_the_clump
     assert _dice(both.mask, balls[0] | balls[1]) > 0.93
     clump = cut.find_candidates([centers[0]])[-1]
     assert _dice(clump.mask, (away < 9.0).any(axis=0)) > 0.75
+
+
+def test_a_click_on_a_ball_of_a_clump_far_smaller_than_its_body_gives_the_ball_and_the_clump_is_larger():
+    values, truths = scan(1, (64, 80, 80), 10.0)
+    there, ball = cpm.VolumePartition(cpm.Image(values)), truths["ball 1"]
+    at, clump = np.argwhere(ball).mean(axis=0), ball | truths["ball 2"] | truths["ball 3"]
+    assert compute_iou(there.select([at]).mask, ball) > 0.8
+    assert max(compute_iou(one.mask, clump) for one in there.find_candidates([at])) > 0.85
 
 
 @pytest.mark.parametrize("noise", [3.0, 40.0])
