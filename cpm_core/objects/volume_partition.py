@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from typing import Protocol
 
 import numpy as np
@@ -359,7 +359,9 @@ class VolumePartition:
             for place in places:
                 if (body.interpolate_logit(place * size) > 0.0) != adds:
                     before = body
-                    body = self._predictor.correct_body(before, place * size, adds, within * size, beyond * size)
+                    marks = within * size, beyond * size
+                    find_other = partial(self._find_other_body, before, inside[:1], *marks)
+                    body = self._predictor.correct_body(before, place * size, adds, *marks, find_other)
                     if painted is not None:
                         changed = self._find_change(before, body, place)
                         left = painted.united(changed) if adds else painted.without(changed)
@@ -371,6 +373,21 @@ class VolumePartition:
         else:
             surface = self._extract_surface(body, within, beyond)
         return self._build_selection(surface, inside, outside, remark, body)
+
+    def _find_other_body(
+        self, body: BodyPrediction, place: Array, positive: Array, negative: Array
+    ) -> BodyPrediction | None:
+        """Find the body that all points mean instead of one of those around the first, shape (1, 3), if it is one."""
+        known = self._predicted_around.get(tuple(place[0].tolist()))
+        if known is None or not any(body is one for one in known[1]):
+            return None
+        fits = [
+            one
+            for one in known[1]
+            if all(one.interpolate_logit(point) > 0.0 for point in positive)
+            and all(one.interpolate_logit(point) <= 0.0 for point in negative)
+        ]
+        return find_meant_body(fits, positive[0], lambda one: self._show_body(one, place)).prediction if fits else None
 
     def _extract_surface(self, body: BodyPrediction, within: Array, beyond: Array) -> Surface:
         """Extract the surface of a body in the regions of interest."""
