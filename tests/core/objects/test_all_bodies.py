@@ -119,3 +119,11 @@ def test_neither_noise_nor_shading_nor_texture_is_a_part_of_a_body(texture):
     values = 20.0 + body * (100.0 + 0.8 * np.arange(48.0) + texture * pattern / pattern.std())
     there = cpm.VolumePartition(cpm.Image(rng.normal(values, 8.0)), Region.from_mask(body).find_surface())
     assert len(there.split_body(1)) == 1
+
+
+def test_a_run_from_all_centers_of_a_volume_proposes_what_one_from_everywhere_does():
+    values, truths = scan(33, (48, 56, 64), 20.0)
+    found = cpm.segment(values, cpm.seeds_at_centers(values), cpm.PRESETS["volume"]).objects
+    assert len(found) == len(truths)
+    drawn = cpm.sphere(tuple(np.argwhere(truths["ball 1"]).mean(axis=0)), 2.0, 60)
+    assert len(cpm.segment(values, drawn, cpm.PRESETS["volume"]).objects) == 1
