@@ -1,4 +1,4 @@
-"""All bodies of a volume: what closed surfaces enclose, split at necks, and how likely each is an object."""
+"""All bodies of a volume: what closed surfaces bound, split into parts, and how likely each is an object."""
 
 from __future__ import annotations
 
@@ -9,19 +9,20 @@ import numpy as np
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import measure_depth
 from cpm_core.numerics.types import Callback
-from cpm_core.objects.body_evidence import rate_body
+from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE, rate_body
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import VolumePartition
 
 
 def find_bodies_everywhere(partition: VolumePartition, check: Callback = lambda: None) -> Iterator[Selection]:
-    """Find all bodies inside the surface of a volume, split at necks, each with its confidence.
+    """Find all bodies inside the surface of a volume, and likely ones in its hollows, each with its confidence.
 
-    `check` is called between them, and may raise to end the search.
+    They are split by `VolumePartition.split_body`. `check` is called between them, and may raise to end the search.
     """
-    for number in partition.solid_bodies.tolist():
+    for number in range(1, int(partition.labels.max()) + 1):
         check()
-        yield from (build_body(partition, part) for part in partition.split_body(number))
+        found = (build_body(partition, part) for part in partition.split_body(number))
+        yield from (one for one in found if number in partition.solid_bodies or one.confidence >= MIN_INNER_CONFIDENCE)
 
 
 def build_body(partition: VolumePartition, region: Region) -> Selection:

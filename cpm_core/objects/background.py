@@ -16,7 +16,7 @@ _MIN_EDGE = 4.0
 """Least difference across a surface that is no noise [standard deviations of the background]."""
 
 _MIN_NOISE = 0.005
-"""Least standard deviation of the background, as a fraction of the range of gray levels."""
+"""Least standard deviation of gray levels, as a fraction of their range in the volume."""
 
 _DEVIATION_PER_MEDIAN = 1.4826
 """Standard deviation of normal noise, in medians of its size."""
@@ -55,9 +55,13 @@ def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
 def _measure_background(values: Array) -> tuple[float, float]:
     """Measure the gray level of the outermost voxels, and its standard deviation."""
     border = np.concatenate([values.take([0, -1], axis).ravel() for axis in range(3)])
-    level = float(np.median(border))
-    noise = _DEVIATION_PER_MEDIAN * float(np.median(np.abs(border - level)))
-    return level, max(noise, _MIN_NOISE * float(np.ptp(values)))
+    return measure_level(border, float(np.ptp(values)))
+
+
+def measure_level(some: Array, span: float) -> tuple[float, float]:
+    """Measure the median of some gray levels of a volume, which spans so many, and their standard deviation."""
+    level = float(np.median(some))
+    return level, max(_DEVIATION_PER_MEDIAN * float(np.median(np.abs(some - level))), _MIN_NOISE * span)
 
 
 def measure_edge_steps(values: Array, surface: Surface) -> Array:

@@ -16,6 +16,9 @@ from cpm_core.objects.confidence import BodyFeatures, ChoiceFeatures, estimate_b
 from cpm_core.objects.prior.body_prediction import BodyPrediction
 from cpm_core.objects.selection import Selection, remark_on_doubt
 
+MIN_INNER_CONFIDENCE = 0.5
+"""Least probability with which what lies in a body is an object of its own."""
+
 _MIN_RELATIVE_STEP = 0.35
 """Rise of gray levels across a surface, in medians of it along the surface, below which there is a gap."""
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from typing import Protocol
 
 import numpy as np
@@ -37,8 +37,9 @@ from cpm_core.numerics.grids import (
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.background import lies_in_background
-from cpm_core.objects.body_evidence import find_meant_body
+from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE, find_meant_body, rate_body
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
+from cpm_core.objects.inner_parts import find_inner_parts
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -358,7 +359,9 @@ class VolumePartition:
             for place in places:
                 if (body.interpolate_logit(place * size) > 0.0) != adds:
                     before = body
-                    body = self._predictor.correct_body(before, place * size, adds, within * size, beyond * size)
+                    marks = within * size, beyond * size
+                    find_other = partial(self._find_other_body, before, inside[:1], *marks)
+                    body = self._predictor.correct_body(before, place * size, adds, *marks, find_other)
                     if painted is not None:
                         changed = self._find_change(before, body, place)
                         left = painted.united(changed) if adds else painted.without(changed)
@@ -370,6 +373,21 @@ class VolumePartition:
         else:
             surface = self._extract_surface(body, within, beyond)
         return self._build_selection(surface, inside, outside, remark, body)
+
+    def _find_other_body(
+        self, body: BodyPrediction, place: Array, positive: Array, negative: Array
+    ) -> BodyPrediction | None:
+        """Find the body that all points mean instead of one of those around the first, shape (1, 3), if it is one."""
+        known = self._predicted_around.get(tuple(place[0].tolist()))
+        if known is None or not any(body is one for one in known[1]):
+            return None
+        fits = [
+            one
+            for one in known[1]
+            if all(one.interpolate_logit(point) > 0.0 for point in positive)
+            and all(one.interpolate_logit(point) <= 0.0 for point in negative)
+        ]
+        return find_meant_body(fits, positive[0], lambda one: self._show_body(one, place)).prediction if fits else None
 
     def _extract_surface(self, body: BodyPrediction, within: Array, beyond: Array) -> Surface:
         """Extract the surface of a body in the regions of interest."""
@@ -493,20 +511,32 @@ class VolumePartition:
         return found
 
     def split_body(self, number: int) -> tuple[Region, ...]:
-        """Split a body at its necks, as where nuclei touch; one region within the surface where there is no neck."""
+        """Split a body at its necks, as where nuclei touch, and into likely inner parts and the rest.
+
+        One region within the surface where there is neither.
+        """
         if number not in self._parts_of_bodies:
             boundary = self.extract_boundary(np.array([number]))
-            whole = Region(surface=boundary) if len(boundary.faces) else NO_VOXELS
-            parts: tuple[Region, ...] = () if whole.is_empty else (whole,)
-            if parts and number in self.solid_bodies:
-                window = expand_window(whole.window, 1, self.shape)
-                labels = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
-                numbers = range(1, int(labels.max()) + 1)
-                if len(numbers) > 1:
-                    first = first_pixel(window)
-                    parts = tuple(Region.from_mask(labels == each, first) for each in numbers)
-            self._parts_of_bodies[number] = parts
+            found: list[Region] = []
+            for part in self._split_at_necks(Region(surface=boundary)) if len(boundary.faces) else ():
+                inner = [
+                    each
+                    for one in find_inner_parts(self.values, part, self.voxel_sides)
+                    for each in self._split_at_necks(one)
+                    if rate_body(self.build_selection(each)).confidence >= MIN_INNER_CONFIDENCE
+                ]
+                found += [reduce(Region.without, inner, part), *inner]
+            self._parts_of_bodies[number] = tuple(one for one in found if not one.is_empty)
         return self._parts_of_bodies[number]
+
+    def _split_at_necks(self, whole: Region) -> tuple[Region, ...]:
+        """Split a region at its necks; the region itself where there is none."""
+        window = expand_window(whole.window, 1, self.shape)
+        labels = split_at_clear_necks(whole.cut_out(window), self.voxel_sides)
+        numbers = range(1, int(labels.max(initial=0)) + 1)
+        if len(numbers) < 2:
+            return () if whole.is_empty else (whole,)
+        return tuple(Region.from_mask(labels == each, first_pixel(window)) for each in numbers)
 
     def knows_bodies(self, places: Array) -> bool:
         """Return whether points, shape (N, 3) [voxels], all lie in bodies, and it is known how these are split."""

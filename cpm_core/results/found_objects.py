@@ -38,6 +38,9 @@ _MIN_RULE_SHARE = 0.95
 _SEEDING_TOLERANCE = 2
 """Distance from a place of a rule at which a seed is there [px]."""
 
+_EXACT_TOLERANCE = 1e-3
+"""Distance at which a seed is exactly at a place, in single precision [px]."""
+
 _MAX_ROW_SPACING = 6.0
 """Largest distance of neighbors in a drawn row of seeds; seeds farther apart are clicks [px]."""
 
@@ -123,7 +126,7 @@ def is_run_everywhere(result: RunOutcome) -> bool:
         return True
     on_pixels = (seeds == np.rint(seeds)).all(axis=1)  # those of rules are, but for some at the border
     return (bool(on_pixels.all()) and _begins_on_edges(result, image)) or (
-        bool(on_pixels.mean() > 0.5) and _covers_centers(result, image)
+        bool(image.ndim == 3 or on_pixels.mean() > 0.5) and _covers_centers(result, image)
     )
 
 
@@ -154,7 +157,8 @@ def _covers_centers(result: RunOutcome, image: Image) -> bool:
     centers = seeds_at_centers(image) if image.ndim == 3 else divergence_centers(image.gray_levels(result.channel))
     centers = centers[is_allowed(centers, result.regions)]
     away = np.asarray(scipy.spatial.cKDTree(result.seeds).query(centers)[0])
-    return bool(len(centers) and (away <= _SEEDING_TOLERANCE).mean() >= _MIN_RULE_SHARE)
+    tolerance = _SEEDING_TOLERANCE if image.ndim == 2 else _EXACT_TOLERANCE  # in volumes they are on no whole voxels
+    return bool(len(centers) and (away <= tolerance).mean() >= _MIN_RULE_SHARE)
 
 
 def split_seeds(seeds: Array, sides: Sides) -> Arrays:

@@ -1,26 +1,28 @@
 """Corrections: what a point changes that contradicts a body.
 
 Near the boundary it only moves the boundary. Else it adds the part between necks that contrasts with the surroundings
-as the body does, or removes the part between necks; where there is none, the network answers in the slices through it,
-and on from these.
+as the body does, or removes the part between necks; where there is none, it decides for another body around the first
+point or for one that is cut from what it touches, or the network answers in the slices through it, and on from these.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import nearest_pixels, spread_labels
+from cpm_core.numerics.grids import nearest_pixels, spread_labels, true_bounds
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.boundaries.necks import measure_hull, split_at_necks
 from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
-from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
-from cpm_core.objects.prior.crops import average_blocks
+from cpm_core.objects.prior.body_prediction import EXCLUDED_LOGIT, MAX_LOGIT, BodyPrediction, is_different_body
+from cpm_core.objects.prior.crops import CROP_SIDE, average_blocks
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
 from cpm_core.objects.prior.network import Network
 from cpm_core.objects.prior.slice_propagation import propagate_correction
+from cpm_core.objects.prior.stable_regions import predict_opened_body
 from cpm_core.objects.prior.volume_slices import CropContext
 
 _CORRECTION_WEIGHT = 2.0
@@ -46,9 +48,17 @@ _POINT_NEIGHBORHOOD = 2
 
 
 def correct_in_crop(
-    body: BodyPrediction, context: CropContext, point: Array, adds: bool, network: Network
+    body: BodyPrediction,
+    context: CropContext,
+    point: Array,
+    adds: bool,
+    network: Network,
+    find_other: Callable[[], BodyPrediction | None],
 ) -> BodyPrediction:
-    """Correct a body in a crop by a point, shape (3,), that contradicts it, and `adds` to it or removes from it."""
+    """Correct a body in a crop by a point, shape (3,), that contradicts it, and `adds` to it or removes from it.
+
+    `find_other` finds the body that is meant instead where a point removes no part between necks, if there is one.
+    """
     before = body.resample_in(context.crop)
     step, slice_logits = context.crop.to_crop_steps(point), before.slice_logits
     if not lies_at_boundary(before, point):
@@ -57,10 +67,17 @@ def correct_in_crop(
             known = np.where(part > 0.0, np.float32(MAX_LOGIT if adds else -MAX_LOGIT), slice_logits)
             logits = np.maximum(part, before.logits) if adds else np.minimum(-part, before.logits)
             return BodyPrediction(context.crop, known, logits)
-        found, share = propagate_correction(context, before, step, adds, network)
-        largest = _CORRECTION_WEIGHT * MAX_LOGIT
-        found = np.clip(_CORRECTION_WEIGHT**2 * found, -largest, largest)
-        slice_logits = np.asarray(share * found + (1.0 - share) * slice_logits, np.float32)
+        other = None if adds else find_other()
+        if other is None:
+            other = predict_opened_body(context, before)
+            other = None if other is None or is_different_body(other.volume, before.volume) else other
+        if other is not None:
+            return other.resample_in(context.crop)
+        if (slice_logits > EXCLUDED_LOGIT).all():
+            found, share = propagate_correction(context, before, step, adds, network)
+            largest = _CORRECTION_WEIGHT * MAX_LOGIT
+            found = np.clip(_CORRECTION_WEIGHT**2 * found, -largest, largest)
+            slice_logits = np.asarray(share * found + (1.0 - share) * slice_logits, np.float32)
     logits = refine_by_intensity(context, slice_logits)
     logits = np.maximum(logits, before.logits) if adds else np.minimum(logits, before.logits)
     return BodyPrediction(context.crop, slice_logits, logits)
@@ -88,7 +105,7 @@ def _find_similar_part(body: BodyPrediction, context: CropContext, point: Array)
     similar = BodyPrediction(context.crop, logits, logits)
     part = find_part_at_necks(similar, point)
     logits = similar.logits if part is None else part.logits
-    pieces, _ = scipy.ndimage.label((logits > 0.0) & ~inside)
+    pieces, _ = scipy.ndimage.label((logits > 0.0) & ~inside & (body.slice_logits > EXCLUDED_LOGIT))
     number = pieces[tuple(nearest_pixels(context.crop.to_crop_steps(point), pieces.shape))]
     if not number:
         return None
@@ -123,15 +140,16 @@ def find_part_at_necks(body: BodyPrediction, point: Array) -> BodyPrediction | N
     if not pieces[tuple(step)]:
         return None
     whole = pieces == pieces[tuple(step)]
-    inside = average_blocks(whole.astype(np.float32), 2) > 0.5
+    times = 1 if max(np.ptp(true_bounds(whole), axis=0)) < CROP_SIDE // 2 else 2
+    inside = average_blocks(whole.astype(np.float32), times) > 0.5
     parts = split_at_necks(inside)
-    number = parts[tuple(step // 2)]
+    number = parts[tuple(step // times)]
     if not number or parts.max() == 1:
         return None
     part = parts == number
     if np.count_nonzero(part) < _MIN_PART_SOLIDITY * measure_hull(part):
         return None
-    near = spread_labels(parts).repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
+    near = spread_labels(parts).repeat(times, axis=0).repeat(times, axis=1).repeat(times, axis=2)
     left_out = np.float32(-MAX_LOGIT)
     logits = np.where(whole & (near == number), body.logits, np.minimum(body.logits, left_out))
     slice_logits = np.where(whole & (near != number), left_out, body.slice_logits)

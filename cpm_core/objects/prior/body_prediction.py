@@ -12,6 +12,9 @@ from cpm_core.objects.prior.crops import Crop3D, resample_with_tent
 MAX_LOGIT = 5.0
 """Largest logit of a slice; its negative stands for outside where nothing is known."""
 
+EXCLUDED_LOGIT = -3.0 * MAX_LOGIT
+"""Logit of a slice for what stays outside, wherever gray levels and corrections lead."""
+
 _DISTINCT_VOLUME_RATIO = 1.5
 """Ratio of volumes above which two bodies around a point are different ones."""
 

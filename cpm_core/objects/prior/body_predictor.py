@@ -23,7 +23,7 @@ from cpm_core.objects.prior.crops import CROP_SIDE, Crop3D, VolumeSampler
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
 from cpm_core.objects.prior.network import Network, load_trained_network
 from cpm_core.objects.prior.slice_propagation import propagate_slices
-from cpm_core.objects.prior.stable_regions import find_stable_regions
+from cpm_core.objects.prior.stable_regions import find_stable_regions, predict_opened_body
 from cpm_core.objects.prior.volume_slices import CropContext
 
 _CROP_WIDENING = 1.4
@@ -72,7 +72,7 @@ class BodyPredictor:
             list(find_stable_regions(context)),
         )
         known = [body.resample_in(largest).logits > 0.0 for body in found]
-        for body in others:
+        for body in filter(None, (*others, predict_opened_body(context))):
             inside = body.logits > 0.0
             if all(compute_iou(inside, other) < _REPEATED_IOU for other in known):
                 found.append(body)
@@ -105,18 +105,24 @@ class BodyPredictor:
         return body
 
     def correct_body(
-        self, body: BodyPrediction, point: Array, adds: bool, positive: Array, negative: Array
+        self,
+        body: BodyPrediction,
+        point: Array,
+        adds: bool,
+        positive: Array,
+        negative: Array,
+        find_other: Callable[[], BodyPrediction | None],
     ) -> BodyPrediction:
         """Correct a body by a point, shape (3,), that contradicts it, and `adds` to it or removes from it.
 
         `positive` and `negative` are all points so far, shape (M, 3) and (K, 3). A crop whose sides the new body
-        touches is widened.
+        touches is widened. `find_other` is that of `correct_in_crop`.
         """
         crop = self._widen_to_part(body, point) if adds else body.crop
         widest = _CROP_WIDENING * (_CROP_WIDENING * crop.side)  # rounded like the side of a crop widened twice
         while True:
             context = self._build_context(crop, positive, negative)
-            after = correct_in_crop(body, context, point, adds, self.network)
+            after = correct_in_crop(body, context, point, adds, self.network, find_other)
             wider = self._sampler.widen_crop(crop, _CROP_WIDENING * crop.side)
             may_widen = adds and crop.side < wider.side <= widest
             if not may_widen or not _touches_crop_sides(after, context):

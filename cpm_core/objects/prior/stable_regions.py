@@ -7,9 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import nearest_pixels
+from cpm_core.numerics.grids import Window, nearest_pixels
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Index, Mask, Single
+from cpm_core.objects.prior.body_prediction import EXCLUDED_LOGIT, MAX_LOGIT, BodyPrediction
+from cpm_core.objects.prior.crops import average_blocks
+from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
 from cpm_core.objects.prior.volume_slices import CropContext
 
 _GRAY_TOLERANCES = 8.0 * 1.25 ** np.arange(12)
@@ -17,6 +20,24 @@ _GRAY_TOLERANCES = 8.0 * 1.25 ** np.arange(12)
 
 _MAX_STABLE_GROWTH = 0.2
 """Largest growth of the logarithm of a volume from one tolerance to the next where it is stable."""
+
+_BRIDGE_RADII = 1.5 ** np.arange(5)
+"""Radii of the bridges that are cut one after another [steps twice as long]."""
+
+_MAX_CUT_SIZE = 0.8
+"""Largest size of a region without its bridges, as a fraction of its size with them: else little hangs on them."""
+
+_MIN_STABLE_SIZE = 0.9
+"""Least size of a region without wider bridges, as a fraction of that without narrower ones, where it is stable."""
+
+_MIN_OPENED_SIZE = 500
+"""Least size of a region whose bridges are cut; a closer crop shows more of smaller ones [steps twice as long]."""
+
+_OPENED_MARGIN = 2
+"""Distance up to which gray levels widen an opened region [steps twice as long]."""
+
+_MIN_RELATIVE_EDGE = 0.35
+"""Strength of an edge, in medians around a region, below which there is a gap."""
 
 
 def find_stable_regions(context: CropContext) -> Iterator[Mask]:
@@ -42,6 +63,73 @@ def find_stable_regions(context: CropContext) -> Iterator[Mask]:
     for number in np.flatnonzero(is_stable).tolist():
         core = scipy.ndimage.binary_dilation(joined <= number, iterations=2)
         yield core & (difference < _GRAY_TOLERANCES[number])
+
+
+def predict_opened_body(context: CropContext, before: BodyPrediction | None = None) -> BodyPrediction | None:
+    """Predict the body around the positive points that is left once it is cut from what it touches in many places.
+
+    So a brain is found in a head. On steps twice as long, bridges of growing width are cut from what lies within each
+    tolerance of the gray levels of the points (morphological opening) until hardly more is lost. Of these regions that
+    hold all positive and no negative points it is the one most like a body before, or else with the fewest gaps in the
+    edges around it; None if there is none. What is not near it stays outside in corrections, too, although gray levels
+    lead there.
+    """
+    grays = scipy.ndimage.gaussian_filter(average_blocks(context.grays, 2), 0.5)
+    edges = scipy.ndimage.maximum_filter(scipy.ndimage.gaussian_gradient_magnitude(grays, 0.5), 3)
+    inner, outer = (nearest_pixels(0.5 * steps - 0.25, grays.shape) for steps in (context.positive, context.negative))
+    levels = [np.median(grays[_window_around(step, 1)]) for step in inner]
+    difference = np.abs(grays - np.clip(grays, min(levels), max(levels)))
+    for axis, (first, last) in enumerate((context.inner_steps // 2).tolist()):
+        slices = np.moveaxis(difference, axis, 0)
+        slices[:first], slices[last + 1 :] = np.inf, np.inf
+    known = None if before is None else average_blocks((before.logits > 0.0).astype(np.float32), 2) > 0.5
+    best, least = None, np.inf
+    for tolerance in _GRAY_TOLERANCES:
+        region = _cut_bridges(difference < tolerance, inner[0])
+        if region is not None and region[tuple(inner.T)].all() and not region[tuple(outer.T)].any():
+            if known is None:
+                rim = edges[scipy.ndimage.binary_dilation(region) & ~scipy.ndimage.binary_erosion(region)]
+                cost = float(np.mean(rim < _MIN_RELATIVE_EDGE * np.median(rim)))
+            else:
+                cost = float(np.count_nonzero(region ^ known))
+            if cost < least:
+                best, least = region, cost
+    if best is None:
+        return None
+    near = scipy.ndimage.binary_dilation(best, iterations=_OPENED_MARGIN)
+    coarse = np.where(best, MAX_LOGIT, np.where(near, -MAX_LOGIT, EXCLUDED_LOGIT)).astype(np.float32)
+    logits = coarse.repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
+    return BodyPrediction(context.crop, logits, refine_by_intensity(context, logits))
+
+
+def _cut_bridges(mask: Mask, step: Index) -> Mask | None:
+    """Cut bridges to the part of a mask around a step, the thinnest first; None unless much is lost, and then no more.
+
+    A part may begin as far from the step as the bridges are wide.
+    """
+    parts, _ = scipy.ndimage.label(mask)
+    before = (parts == parts[tuple(step)]) & mask
+    most = _MAX_CUT_SIZE * np.count_nonzero(before)
+    if most < _MIN_OPENED_SIZE:
+        return None
+    depth = scipy.ndimage.distance_transform_edt(mask)
+    for radius in _BRIDGE_RADII:
+        parts, _ = scipy.ndimage.label(depth > radius)
+        counts = np.bincount(parts[_window_around(step, int(radius))].ravel())
+        if not counts[1:].any():
+            return None
+        region = (scipy.ndimage.distance_transform_edt(parts != 1 + counts[1:].argmax()) <= radius) & mask
+        size, left = np.count_nonzero(region), np.count_nonzero(before)
+        if size < _MIN_OPENED_SIZE:
+            return None
+        if size >= _MIN_STABLE_SIZE * left and left <= most:
+            return before
+        before = region
+    return None
+
+
+def _window_around(step: Index, reach: int) -> Window:
+    return tuple(slice(max(at - reach, 0), at + reach + 1) for at in step.tolist())
 
 
 def _find_largest_beside(values: Single) -> Single:

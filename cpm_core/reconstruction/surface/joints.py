@@ -139,6 +139,8 @@ def bridge_necks(height: Single, begin: Index, surroundings: SaddleSurroundings)
 
     def is_neck(way: Index, saddle: Index) -> bool:
         """Return whether a path, shape (K, 3), leads through a neck at its saddle, shape (3,)."""
+        if height[tuple(way[[0, -1]].T)].max() >= HEIGHT_AWAY_FROM_PARTICLES:
+            return False  # the wall on its far side is no edge: one part lies in the other
         depth = -float(height[tuple(saddle)])
         there = way + begin, saddle + begin
         return surroundings.lies_on_ridge(*there) or (

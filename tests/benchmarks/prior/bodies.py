@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 from numpy.random import Generator
 
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask
 
 KINDS = ("blob", "torus", "tube", "pair", "textured", "gap", "hollow")
 """The kinds of bodies that `body` makes."""
@@ -87,3 +87,25 @@ def _tube(side: int, middle: Array, size: float, rng: Generator) -> Mask:
     tree = scipy.spatial.KDTree(line)
     places = np.moveaxis(np.indices((side,) * 3), 0, -1).reshape(-1, 3)
     return np.asarray(tree.query(places)[0] < rng.uniform(0.18, 0.3) * size).reshape((side,) * 3)
+
+
+def scan(seed: int, shape: Extent, noise: float) -> tuple[Array, dict[str, Mask]]:
+    """A made-up CT [HU]: in air a body, in it an organ and a clump of three balls that touch; and where each lies."""
+    rng, sides = np.random.default_rng(seed), np.array(shape)
+    places = np.moveaxis(np.indices(shape), 0, -1) - sides / 2.0 + 0.5 - rng.uniform(-2.0, 2.0, 3)
+    radius = min(shape) * rng.uniform(0.075, 0.095)
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    around = 2.0 * np.pi * np.arange(3)[:, None] / 3.0
+    centers = 1.12 * radius * (np.cos(around) * turn[0] + np.sin(around) * turn[1]) + [0.0, 0.0, 0.2 * sides[2]]
+    away = np.array([np.linalg.norm(places - center, axis=-1) for center in centers])
+    organ = (places - sides * [rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1), -0.2]) / min(shape)
+    found = {
+        "body": np.linalg.norm(places / (sides * [0.4, 0.42, 0.44]), axis=-1) < 1.0,
+        "organ": np.linalg.norm(organ / rng.uniform(0.12, 0.17, 3), axis=-1) < 1.0,
+        **{f"ball {at + 1}": (away[at] < radius) & (away.argmin(axis=0) == at) for at in range(3)},
+    }
+    values = np.full(shape, -1000.0)
+    for inside, level in zip(found.values(), (40.0, 130.0, 300.0, 300.0, 300.0), strict=True):
+        values[inside] = level
+    found["body"] &= ~np.any(list(found.values())[1:], axis=0)
+    return scipy.ndimage.gaussian_filter(values, 0.7) + rng.normal(0.0, noise, shape), found

@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 from cpm_core import PRESETS, seeds_everywhere, segment
 from cpm_core.numerics.types import Array, Index
 from cpm_core.objects import confidence
-from cpm_core.objects.all_bodies import measure_body
+from cpm_core.objects.body_evidence import measure_body
 from tests.benchmarks.prior.bodies import KINDS, body
 from tests.benchmarks.prior.regression import curve, learned
 from tests.benchmarks.touching_nuclei import draw_nuclei, match_nucleus

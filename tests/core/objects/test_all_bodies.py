@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+import scipy
 
 import cpm_core as cpm
 from cpm_core.image.region import Region
 from cpm_core.objects import compute_iou
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
 from cpm_core.objects.confidence import BodyFeatures, estimate_body_confidence
+from tests.benchmarks.prior.bodies import scan
 
 SHAPE = (30, 36, 66)
 ONE, OTHER, APART, RADIUS = (14, 17, 13), (14, 17, 28), (15, 17, 52), 8.5
@@ -79,3 +81,49 @@ def test_a_volume_is_run_from_everywhere_for_its_objects():
     (same,) = cpm.segment(values, cpm.seeds_everywhere(values), cpm.PRESETS["volume"]).objects
     assert found.has_same_region(same)
     assert found.confidence == same.confidence
+
+
+@pytest.mark.parametrize(("seed", "noise"), [(31, 12.0), (32, 40.0)])
+def test_a_run_everywhere_in_a_scan_proposes_the_body_its_faint_organ_and_each_ball_of_a_clump_once(seed, noise):
+    values, truths = scan(seed, (56, 64, 72), noise)
+    result = cpm.segment(values, cpm.seeds_everywhere(values), cpm.PRESETS["volume"])
+    found = result.objects
+    assert len(found) == len(truths)
+    for truth in truths.values():
+        assert max(one.confidence for one in found if compute_iou(one.mask, truth) > 0.85) > 0.8
+    there = cpm.VolumePartition.from_result(result)
+    clump = truths["ball 1"] | truths["ball 2"] | truths["ball 3"]
+    for name, whole in (("ball 1", clump), ("organ", truths["body"])):
+        at = np.argwhere(truths[name]).mean(axis=0)
+        assert compute_iou(there.select([at]).mask, truths[name]) > 0.85
+        assert max(compute_iou(one.mask, whole | truths[name]) for one in there.find_candidates([at])) > 0.8
+
+
+def test_no_wall_is_found_beyond_the_edge_of_what_is_brighter_within_something_bright():
+    away = np.linalg.norm(np.moveaxis(np.indices((56, 56, 56)), 0, -1) - 27.5, axis=-1)
+    for seed in range(3):
+        values = np.random.default_rng(seed).normal(np.select([away < 9.0, away < 24.0], [300.0, 40.0], -1000.0), 30.0)
+        result = cpm.segment(values, cpm.seeds_everywhere(values), cpm.PRESETS["volume"])
+        radii = np.linalg.norm(result.surface.vertices - 27.5, axis=-1)
+        assert np.minimum(np.abs(radii - 9.0), np.abs(radii - 24.0)).max() < 2.0
+        hollow, body = sorted(result.objects, key=lambda one: one.size)
+        assert compute_iou(hollow.mask, away < 9.0) > 0.9
+        assert compute_iou(body.mask, (away >= 9.0) & (away < 24.0)) > 0.9
+
+
+@pytest.mark.parametrize("texture", [0.0, 12.0])
+def test_neither_noise_nor_shading_nor_texture_is_a_part_of_a_body(texture):
+    rng, away = np.random.default_rng(5), np.linalg.norm(np.moveaxis(np.indices((48, 48, 48)), 0, -1) - 23.5, axis=-1)
+    body = away < 19.0
+    pattern = scipy.ndimage.gaussian_filter(rng.normal(size=body.shape), 2.0)
+    values = 20.0 + body * (100.0 + 0.8 * np.arange(48.0) + texture * pattern / pattern.std())
+    there = cpm.VolumePartition(cpm.Image(rng.normal(values, 8.0)), Region.from_mask(body).find_surface())
+    assert len(there.split_body(1)) == 1
+
+
+def test_a_run_from_all_centers_of_a_volume_proposes_what_one_from_everywhere_does():
+    values, truths = scan(33, (48, 56, 64), 20.0)
+    found = cpm.segment(values, cpm.seeds_at_centers(values), cpm.PRESETS["volume"]).objects
+    assert len(found) == len(truths)
+    drawn = cpm.sphere(tuple(np.argwhere(truths["ball 1"]).mean(axis=0)), 2.0, 60)
+    assert len(cpm.segment(values, drawn, cpm.PRESETS["volume"]).objects) == 1

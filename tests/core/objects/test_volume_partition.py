@@ -13,10 +13,12 @@ from cpm_core.contours.surface import label_voxels
 from cpm_core.formats.common.json_values import from_json, to_json
 from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface
+from cpm_core.objects import compute_iou
 from cpm_core.objects.prior import body_predictor
 from cpm_core.objects.prior.body_prediction import BodyPrediction
 from cpm_core.objects.prior.crops import Crop3D
 from cpm_core.objects.segmented import SegmentedObject
+from tests.benchmarks.prior.bodies import scan
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
 SHELL, LONE = np.array([13.0, 14.0, 20.0]), np.array([34.0, 14.0, 20.0])
@@ -166,6 +168,14 @@ def test_a_click_in_a_clump_selects_the_body_another_adds_the_next_and_the_clump
     assert _dice(clump.mask, (away < 9.0).any(axis=0)) > 0.75
 
 
+def test_a_click_on_a_ball_of_a_clump_far_smaller_than_its_body_gives_the_ball_and_the_clump_is_larger():
+    values, truths = scan(1, (64, 80, 80), 10.0)
+    there, ball = cpm.VolumePartition(cpm.Image(values)), truths["ball 1"]
+    at, clump = np.argwhere(ball).mean(axis=0), ball | truths["ball 2"] | truths["ball 3"]
+    assert compute_iou(there.select([at]).mask, ball) > 0.8
+    assert max(compute_iou(one.mask, clump) for one in there.find_candidates([at])) > 0.85
+
+
 @pytest.mark.parametrize("noise", [pytest.param(3.0, marks=pytest.mark.long), 40.0])
 def test_further_clicks_in_a_scan_add_the_ball_clicked_or_remove_it_and_nothing_else(noise):
     shape = (72, 72, 72)
@@ -210,6 +220,36 @@ def test_a_click_on_an_organ_does_not_leak_out_to_the_skin():
     for organ in organs:
         place = np.argwhere(organ).mean(axis=0) + np.array([0.0, 1.0, -2.0])
         assert _dice(cut.select([place]).mask, organ) > 0.85
+
+
+def _bridged(seed):
+    """A ball of two tissues in a shell that it touches by many bridges over a thin dark gap, and the ball."""
+    rng, away = np.random.default_rng(seed), _lengths((72,) * 3, (1.0,) * 3, np.full(3, 35.5))
+    folds = scipy.ndimage.gaussian_filter(rng.normal(size=away.shape), 2.5)
+    tissue = 90.0 + 25.0 * (folds > 0.0)
+    gap = (away >= 20.0) & (away < 25.0) & (folds < 1.2 * folds.std())
+    values = scipy.ndimage.gaussian_filter(np.select([gap, away < 20.0, away < 31.0], [20.0, tissue, 130.0], 5.0), 0.7)
+    return rng.normal(values, 5.0), away < 20.0
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_click_deep_in_what_touches_its_surroundings_in_many_places_gives_it_without_them(seed):
+    values, ball = _bridged(seed)
+    there = cpm.partition(values)
+    first = there.select([(34, 36, 40)])
+    assert _dice(first.mask, ball) > 0.9
+    for further in ({"inside": [(35, 35, 20)]}, {"outside": [(35, 35, 8)]}):
+        assert _dice(there.select(**further, previous=first).mask, ball) > 0.9
+
+
+def test_a_click_outside_a_part_prefers_another_body_around_the_first_click_to_a_dent():
+    there = cpm.partition(_bridged(1)[0])
+    inner, whole = (
+        [one for one in there.predict_around(np.array([(34.0, 36.0, 40.0)])) if (one.size > 60000) == large]
+        for large in (False, True)
+    )
+    found = there.select([], [(35, 35, 8)], previous=whole[0])
+    assert any(found.size == pytest.approx(one.size, rel=0.05) for one in inner)
 
 
 def test_a_click_is_answered_though_another_thread_asks_around_another_place_meanwhile():
@@ -387,4 +427,4 @@ def test_the_crop_of_a_body_that_reaches_its_sides_is_widened_twice_whatever_its
     )
     monkeypatch.setattr(body_predictor, "_touches_crop_sides", lambda *_: True)
     at = np.full((1, 3), 100.0)
-    assert predictor.correct_body(body, at[0], True, at, at[:0]).crop.side == pytest.approx(1.4**2 * side)
+    assert predictor.correct_body(body, at[0], True, at, at[:0], lambda: None).crop.side == pytest.approx(1.4**2 * side)

@@ -1,0 +1,46 @@
+"""Inner parts of a body: what differs from most of it by more than noise, with an edge too faint for a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import scipy
+
+from cpm_core.image.region import Region
+from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel
+from cpm_core.numerics.types import Array
+from cpm_core.objects.background import measure_level
+
+_EDGE_WIDTH = 4
+"""Width of the rim of a body in which its own edge is seen [smallest sides of a voxel]."""
+
+_MIN_CORE_DIFFERENCE = 4.0
+"""Least difference of an inner part from the median of the body that is no noise [standard deviations]."""
+
+_MIN_CORE_SIZE = 30
+"""Least number of voxels of an inner part that differ so [voxels]."""
+
+
+def find_inner_parts(values: Array, body: Region, sides: Array) -> Iterator[Region]:
+    """Find the inner parts of a body, in gray levels of shape (P, R, C) with voxels of these sides.
+
+    Each reaches as far as gray levels are nearer to its own than to that of the body.
+    """
+    body = body.clipped(values.shape)
+    window, inside = body.window, body.mask
+    smooth = scipy.ndimage.gaussian_filter(values[window], 1.0 / sides)
+    depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1), sampling=sides)[(slice(1, -1),) * 3]
+    inner = depth > _EDGE_WIDTH
+    if not inner.any():
+        return
+    level, noise = measure_level(smooth[inner], float(np.ptp(values)))
+    for rise in (smooth - level, level - smooth):
+        cores, _ = scipy.ndimage.label(inner & (rise > _MIN_CORE_DIFFERENCE * noise))
+        for number, box in find_label_boxes(cores):
+            near = expand_window(box, _EDGE_WIDTH, smooth.shape)
+            core = cores[near] == number
+            if np.count_nonzero(core) >= _MIN_CORE_SIZE:
+                around = scipy.ndimage.binary_dilation(core, iterations=_EDGE_WIDTH) & inside[near]
+                part = find_largest_part(around & (rise[near] > 0.5 * np.median(rise[near][core])))
+                yield Region.from_mask(part, np.add(body.origin, first_pixel(near)))
