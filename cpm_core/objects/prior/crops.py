@@ -5,6 +5,7 @@ The network sees a cube slice by slice.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterable
 from functools import cached_property
 from typing import Any, Self
@@ -58,6 +59,9 @@ _GRAY_SAMPLE_COUNT = 100_000
 
 _MAX_FLAT_RANGE = 1e-6
 """Range of gray levels, as a fraction of the largest, up to which a volume is uniform."""
+
+_level_lock = threading.RLock()
+"""Held while a level of a pyramid is computed, which threads that need it would each compute."""
 
 
 def find_sample_step(shape: Extent) -> int:
@@ -177,13 +181,14 @@ class ImageSampler:
         """Return the image for 0, shape (H, W, C); else normalized means of 2 x 2 pixels of the level before."""
         if number == 0:
             return self.values.reshape(*self.values.shape[:2], -1)
-        if number not in self._cached_levels:
-            finer = self._pyramid_level(number - 1)
-            height, width = finer.shape[0] // 2 * 2, finer.shape[1] // 2 * 2
-            rows = np.add(finer[0:height:2], finer[1:height:2], dtype=np.float64 if number == 1 else np.float32)
-            mean = 0.25 * (rows[:, 0:width:2] + rows[:, 1:width:2])
-            self._cached_levels[number] = self._normalize_grays(mean) if number == 1 else mean
-        return self._cached_levels[number]
+        with _level_lock:
+            if number not in self._cached_levels:
+                finer = self._pyramid_level(number - 1)
+                height, width = finer.shape[0] // 2 * 2, finer.shape[1] // 2 * 2
+                rows = np.add(finer[0:height:2], finer[1:height:2], dtype=np.float64 if number == 1 else np.float32)
+                mean = 0.25 * (rows[:, 0:width:2] + rows[:, 1:width:2])
+                self._cached_levels[number] = self._normalize_grays(mean) if number == 1 else mean
+            return self._cached_levels[number]
 
     def _normalize_grays(self, values: NDArray[Any]) -> Single:
         """Scale gray levels to the range from 0 to 255."""
