@@ -80,7 +80,7 @@ _MAX_BASIN_CANDIDATES = 2
 """Largest number of candidates that are merged basins."""
 
 _BASIN_REACH = 256
-"""How far around points basins are looked for [px]."""
+"""How far around points basins are looked for, if the points are at most twice as far apart [px]."""
 
 _MAX_BASIN_SHARE = 0.6
 """Largest share of that part of the image that such a candidate covers."""
@@ -424,7 +424,11 @@ class Partition(drawing.Pictured):
         answer = self.build_selection(mask, inside, outside, remark, features, found.unambiguous)
         if self.model and found.features is not None:
             answer = replace(answer, model=model_title(self.model))
-        if previous is not None and _DUPLICATE_IOU * previous.region.size <= answer.region.size < previous.region.size:
+        if (
+            previous is not None
+            and answer.size < previous.size
+            and answer.region.compute_iou(previous.region) >= _DUPLICATE_IOU
+        ):
             answer = replace(answer, confidence=min(answer.confidence, previous.confidence))
         if not remark and answer.has_only_points:
             return replace(answer, remark=_NO_OBJECT_REMARK)
@@ -550,7 +554,7 @@ class Partition(drawing.Pictured):
 
     def _rank_basins_around(self, pixels: Index) -> list[Candidate]:
         """Find the merged basins that hold some pixels, shape (N, 2), first those that the network changes least."""
-        if not len(pixels) or not self.uses_network:
+        if not len(pixels) or not self.uses_network or np.ptp(pixels, axis=0).max() > 2 * _BASIN_REACH:
             return []
         low, high = pixels.min(axis=0).tolist(), (pixels.max(axis=0) + 1).tolist()
         window = expand_window(tuple(map(slice, low, high)), _BASIN_REACH, self.shape)
