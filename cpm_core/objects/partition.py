@@ -45,7 +45,7 @@ from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 from cpm_core.objects.merged_basins import MergedBasins
 from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
-from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
+from cpm_core.objects.prior.crops import measure_image_grays
 from cpm_core.objects.prior.larger_models import check_model, model_title
 from cpm_core.objects.prior.model_predictor import ModelPredictor
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Predictor, Prompt
@@ -422,8 +422,7 @@ class Partition(drawing.Pictured):
         if features is None and mask.any():
             features = self._measure_features(mask, inside, request.prompt.point_count)
         answer = self.build_selection(mask, inside, outside, remark, features, found.unambiguous)
-        if self.model and found.features is not None:
-            answer = replace(answer, model=model_title(self.model))
+        answer = replace(answer, model=found.model)
         if (
             previous is not None
             and answer.size < previous.size
@@ -536,7 +535,7 @@ class Partition(drawing.Pictured):
             if thin is not None and estimate_confidence(features) < _LINE_CONFIDENCE:
                 yield Candidate(Region.from_mask(thin.mask))
                 thin = None
-            yield Candidate(Region.from_mask(mask), features)
+            yield Candidate(Region.from_mask(mask), features, model=model_title(self.model))
         if thin is not None:
             yield Candidate(Region.from_mask(thin.mask))
 
@@ -569,8 +568,8 @@ class Partition(drawing.Pictured):
             if region.encloses(pixels).all():
                 answer = self.evaluate_mask(region.paste(self.shape), pixels)
                 features = ConfidenceFeatures(*answer[2:5], point_count=len(pixels))  # no other crop has said the same
-                found.append(Candidate(region, features, likelihood=answer.mean_certainty * answer.iou_to_previous))
-        return sorted(found, key=lambda one: -one.likelihood)
+                found.append((answer.mean_certainty * answer.iou_to_previous, Candidate(region, features)))
+        return [one for _, one in sorted(found, key=lambda each: -each[0])]
 
     def _join_similar_pixels(self, mask: Mask) -> Mask:
         """Join an object, shape (H, W), with the pixels connected to it that are similar."""
@@ -689,8 +688,7 @@ class Partition(drawing.Pictured):
     @cached_property
     def gray_span(self) -> float:
         """Difference of the gray levels that are black and white for the network."""
-        step = find_sample_step(self.shape)
-        low, high = measure_gray_range(self.values[::step, ::step]) if self.parent is None else self.parent.gray_range
+        low, high = measure_image_grays(self.values) if self.parent is None else self.parent.gray_range
         return max(high - low, _MIN_GRAY_SPAN)
 
     @cached_property

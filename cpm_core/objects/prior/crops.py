@@ -64,6 +64,12 @@ _level_lock = threading.RLock()
 """Held while a level of a pyramid is computed, which threads that need it would each compute."""
 
 
+def measure_image_grays(values: NDArray[Any]) -> tuple[float, ...]:
+    """Measure the gray levels that become 0 and 255, in a sample of an image, shape (H, W) or (H, W, 3)."""
+    step = find_sample_step(values.shape[:2])
+    return measure_gray_range(values[::step, ::step])
+
+
 def find_sample_step(shape: Extent) -> int:
     """Find the distance along each axis of the pixels by which the gray levels of an image are measured."""
     return max(int(np.sqrt(shape[0] * shape[1] / _GRAY_SAMPLE_COUNT)), 1)
@@ -198,8 +204,7 @@ class ImageSampler:
     @cached_property
     def _gray_range(self) -> tuple[float, ...]:
         """Gray levels that become 0 and 255."""
-        step = find_sample_step(self.values.shape[:2])
-        return self.gray_range or measure_gray_range(self.values[::step, ::step])
+        return self.gray_range or measure_image_grays(self.values)
 
     @cached_property
     def _cached_levels(self) -> dict[int, Single]:
