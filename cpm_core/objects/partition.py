@@ -561,7 +561,7 @@ class Partition(drawing.Pictured):
         lines = find_crossings(self._find_contour_paths(window, corner), values.shape).pixels
         basins = MergedBasins.from_edges(edge_map(values, "auto"), running_maximum(lines, 1), self.gray_span)
         found = []
-        for box, inside in basins.find_regions_around(tuple((pixels[0] - corner).tolist())):
+        for box, inside in basins.find_regions_around(tuple(pixels[0] - corner)):
             region = Region.from_mask(inside, first_pixel(box) + corner)
             if region.size > _MAX_BASIN_SHARE * values.size:
                 break

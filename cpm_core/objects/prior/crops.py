@@ -191,8 +191,8 @@ class ImageSampler:
             if number not in self._cached_levels:
                 finer = self._pyramid_level(number - 1)
                 height, width = finer.shape[0] // 2 * 2, finer.shape[1] // 2 * 2
-                rows = np.add(finer[0:height:2], finer[1:height:2], dtype=np.float64 if number == 1 else np.float32)
-                mean = 0.25 * (rows[:, 0:width:2] + rows[:, 1:width:2])
+                rows = np.add(finer[:height:2], finer[1:height:2], dtype=np.float64 if number == 1 else np.float32)
+                mean = 0.25 * (rows[:, :width:2] + rows[:, 1:width:2])
                 self._cached_levels[number] = self._normalize_grays(mean) if number == 1 else mean
             return self._cached_levels[number]
 
