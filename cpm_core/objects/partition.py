@@ -27,12 +27,13 @@ from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import (
+    Window,
+    bounding_window,
     expand_window,
     first_pixel,
     label_parts,
     nearest_pixels,
     running_maximum,
-    true_bounds,
 )
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Extent, Index, Mask, frozen, record
@@ -565,7 +566,7 @@ class Partition(drawing.Pictured):
             region = Region.from_mask(inside, first_pixel(box) + corner)
             if region.size > _MAX_BASIN_SHARE * values.size:
                 break
-            if region.encloses(pixels).all():
+            if region.encloses(pixels.astype(float)).all():
                 answer = self.evaluate_mask(region.paste(self.shape), pixels)
                 features = ConfidenceFeatures(*answer[2:5], point_count=len(pixels))  # no other crop has said the same
                 found.append((answer.mean_certainty * answer.iou_to_previous, Candidate(region, features)))
@@ -670,7 +671,7 @@ class Partition(drawing.Pictured):
         """Predict by the network the object around a pixel, in crops of several sizes up to the largest [px]."""
         return self._network.predict_at_scales(pixel, largest)
 
-    def evaluate_mask(self, mask: Mask, inside: Array = NO_POINTS) -> Prediction:
+    def evaluate_mask(self, mask: Mask, inside: ArrayLike = NO_POINTS) -> Prediction:
         """Evaluate an object, shape (H, W), found otherwise, by the network, with points in it, shape (M, 2)."""
         pixels = nearest_pixels(inside, mask.shape)
         pixels = pixels[mask[tuple(pixels.T)]]
@@ -696,7 +697,7 @@ class Partition(drawing.Pictured):
         """Pixels in the regions of interest, shape (H, W)."""
         return (self.regions or Regions()).pixel_mask(self.shape)
 
-    def _build_guides(self, box: tuple[slice, slice], corner: Index) -> BoundaryGuides:
+    def _build_guides(self, box: Window, corner: Index) -> BoundaryGuides:
         """Build what outlines follow in a part of the image."""
         values, regions = self.values[box], self.regions or Regions()
         return build_boundary_guides(
@@ -708,7 +709,7 @@ class Partition(drawing.Pictured):
             self.interest[box],
         )
 
-    def _find_contour_paths(self, box: tuple[slice, slice], corner: Index) -> list[Array]:
+    def _find_contour_paths(self, box: Window, corner: Index) -> list[Array]:
         """Find the paths of contours in a part of the image, relative to its first pixel."""
         last = [part.stop for part in box]
         near = (one for one in self.contours if (one.box[1] >= corner).all() and (one.box[0] <= last).all())
@@ -746,12 +747,11 @@ class Partition(drawing.Pictured):
         return drawing.draw_curves_on_image(ax, self.image.values, self.contours, self.image.spacing)
 
 
-def _padded_box(mask: Mask) -> tuple[tuple[slice, slice], Index]:
+def _padded_box(mask: Mask) -> tuple[Window, Index]:
     """Return the rows and columns of the true pixels of a mask with a margin, and the first of them."""
-    low, high = true_bounds(mask) if mask.any() else np.zeros((2, 2), np.int64)
-    corner = np.maximum(low - _OUTLINE_MARGIN, 0)
-    rows, cols = map(slice, corner.tolist(), np.minimum(high + _OUTLINE_MARGIN + 1, mask.shape).tolist())
-    return (rows, cols), corner
+    found = bounding_window(mask) if mask.any() else (slice(0, 1),) * 2
+    box = expand_window(found, _OUTLINE_MARGIN, mask.shape)
+    return box, first_pixel(box)
 
 
 def _select_connected(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:

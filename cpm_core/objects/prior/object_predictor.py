@@ -165,7 +165,7 @@ class CropPrediction(NamedTuple):
         area = np.log(max(np.count_nonzero(self.probability > INSIDE_PROBABILITY) * self.crop.step_size**2, 1.0))
         off = 0.0 if known_area is None else abs(float(np.log(max(known_area, 1.0)) - area))
         if drawn is not None:
-            off += max(float(area - np.log(_MAX_DRAWN_RATIO * max(np.count_nonzero(drawn), 1))), 0.0)
+            off += max(float(area - np.log(_MAX_DRAWN_RATIO * max(int(np.count_nonzero(drawn)), 1))), 0.0)
         return 0.5 * (self.predicted_iou + self.mean_certainty) - AREA_PENALTY * off
 
     @property
