@@ -27,12 +27,13 @@ from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, plane_regions
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import (
+    Window,
+    bounding_window,
     expand_window,
     first_pixel,
     label_parts,
     nearest_pixels,
     running_maximum,
-    true_bounds,
 )
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Extent, Index, Mask, frozen, record
@@ -45,7 +46,7 @@ from cpm_core.objects.boundaries.snapping import snap_to_contours
 from cpm_core.objects.confidence import ConfidenceFeatures, estimate_confidence
 from cpm_core.objects.merged_basins import MergedBasins
 from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_outlines
-from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range
+from cpm_core.objects.prior.crops import measure_image_grays
 from cpm_core.objects.prior.larger_models import check_model, model_title
 from cpm_core.objects.prior.model_predictor import ModelPredictor
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Predictor, Prompt
@@ -80,7 +81,7 @@ _MAX_BASIN_CANDIDATES = 2
 """Largest number of candidates that are merged basins."""
 
 _BASIN_REACH = 256
-"""How far around points basins are looked for [px]."""
+"""How far around points basins are looked for, if the points are at most twice as far apart [px]."""
 
 _MAX_BASIN_SHARE = 0.6
 """Largest share of that part of the image that such a candidate covers."""
@@ -422,9 +423,12 @@ class Partition(drawing.Pictured):
         if features is None and mask.any():
             features = self._measure_features(mask, inside, request.prompt.point_count)
         answer = self.build_selection(mask, inside, outside, remark, features, found.unambiguous)
-        if self.model and found.features is not None:
-            answer = replace(answer, model=model_title(self.model))
-        if previous is not None and _DUPLICATE_IOU * previous.region.size <= answer.region.size < previous.region.size:
+        answer = replace(answer, model=found.model)
+        if (
+            previous is not None
+            and answer.size < previous.size
+            and answer.region.compute_iou(previous.region) >= _DUPLICATE_IOU
+        ):
             answer = replace(answer, confidence=min(answer.confidence, previous.confidence))
         if not remark and answer.has_only_points:
             return replace(answer, remark=_NO_OBJECT_REMARK)
@@ -532,7 +536,7 @@ class Partition(drawing.Pictured):
             if thin is not None and estimate_confidence(features) < _LINE_CONFIDENCE:
                 yield Candidate(Region.from_mask(thin.mask))
                 thin = None
-            yield Candidate(Region.from_mask(mask), features)
+            yield Candidate(Region.from_mask(mask), features, model=model_title(self.model))
         if thin is not None:
             yield Candidate(Region.from_mask(thin.mask))
 
@@ -550,7 +554,7 @@ class Partition(drawing.Pictured):
 
     def _rank_basins_around(self, pixels: Index) -> list[Candidate]:
         """Find the merged basins that hold some pixels, shape (N, 2), first those that the network changes least."""
-        if not len(pixels) or not self.uses_network:
+        if not len(pixels) or not self.uses_network or np.ptp(pixels, axis=0).max() > 2 * _BASIN_REACH:
             return []
         low, high = pixels.min(axis=0).tolist(), (pixels.max(axis=0) + 1).tolist()
         window = expand_window(tuple(map(slice, low, high)), _BASIN_REACH, self.shape)
@@ -558,15 +562,15 @@ class Partition(drawing.Pictured):
         lines = find_crossings(self._find_contour_paths(window, corner), values.shape).pixels
         basins = MergedBasins.from_edges(edge_map(values, "auto"), running_maximum(lines, 1), self.gray_span)
         found = []
-        for box, inside in basins.find_regions_around(tuple((pixels[0] - corner).tolist())):
+        for box, inside in basins.find_regions_around(tuple(pixels[0] - corner)):
             region = Region.from_mask(inside, first_pixel(box) + corner)
             if region.size > _MAX_BASIN_SHARE * values.size:
                 break
-            if region.encloses(pixels).all():
+            if region.encloses(pixels.astype(float)).all():
                 answer = self.evaluate_mask(region.paste(self.shape), pixels)
                 features = ConfidenceFeatures(*answer[2:5], point_count=len(pixels))  # no other crop has said the same
-                found.append(Candidate(region, features, likelihood=answer.mean_certainty * answer.iou_to_previous))
-        return sorted(found, key=lambda one: -one.likelihood)
+                found.append((answer.mean_certainty * answer.iou_to_previous, Candidate(region, features)))
+        return [one for _, one in sorted(found, key=lambda each: -each[0])]
 
     def _join_similar_pixels(self, mask: Mask) -> Mask:
         """Join an object, shape (H, W), with the pixels connected to it that are similar."""
@@ -667,7 +671,7 @@ class Partition(drawing.Pictured):
         """Predict by the network the object around a pixel, in crops of several sizes up to the largest [px]."""
         return self._network.predict_at_scales(pixel, largest)
 
-    def evaluate_mask(self, mask: Mask, inside: Array = NO_POINTS) -> Prediction:
+    def evaluate_mask(self, mask: Mask, inside: ArrayLike = NO_POINTS) -> Prediction:
         """Evaluate an object, shape (H, W), found otherwise, by the network, with points in it, shape (M, 2)."""
         pixels = nearest_pixels(inside, mask.shape)
         pixels = pixels[mask[tuple(pixels.T)]]
@@ -685,8 +689,7 @@ class Partition(drawing.Pictured):
     @cached_property
     def gray_span(self) -> float:
         """Difference of the gray levels that are black and white for the network."""
-        step = find_sample_step(self.shape)
-        low, high = measure_gray_range(self.values[::step, ::step]) if self.parent is None else self.parent.gray_range
+        low, high = measure_image_grays(self.values) if self.parent is None else self.parent.gray_range
         return max(high - low, _MIN_GRAY_SPAN)
 
     @cached_property
@@ -694,7 +697,7 @@ class Partition(drawing.Pictured):
         """Pixels in the regions of interest, shape (H, W)."""
         return (self.regions or Regions()).pixel_mask(self.shape)
 
-    def _build_guides(self, box: tuple[slice, slice], corner: Index) -> BoundaryGuides:
+    def _build_guides(self, box: Window, corner: Index) -> BoundaryGuides:
         """Build what outlines follow in a part of the image."""
         values, regions = self.values[box], self.regions or Regions()
         return build_boundary_guides(
@@ -706,7 +709,7 @@ class Partition(drawing.Pictured):
             self.interest[box],
         )
 
-    def _find_contour_paths(self, box: tuple[slice, slice], corner: Index) -> list[Array]:
+    def _find_contour_paths(self, box: Window, corner: Index) -> list[Array]:
         """Find the paths of contours in a part of the image, relative to its first pixel."""
         last = [part.stop for part in box]
         near = (one for one in self.contours if (one.box[1] >= corner).all() and (one.box[0] <= last).all())
@@ -744,12 +747,11 @@ class Partition(drawing.Pictured):
         return drawing.draw_curves_on_image(ax, self.image.values, self.contours, self.image.spacing)
 
 
-def _padded_box(mask: Mask) -> tuple[tuple[slice, slice], Index]:
+def _padded_box(mask: Mask) -> tuple[Window, Index]:
     """Return the rows and columns of the true pixels of a mask with a margin, and the first of them."""
-    low, high = true_bounds(mask) if mask.any() else np.zeros((2, 2), np.int64)
-    corner = np.maximum(low - _OUTLINE_MARGIN, 0)
-    rows, cols = map(slice, corner.tolist(), np.minimum(high + _OUTLINE_MARGIN + 1, mask.shape).tolist())
-    return (rows, cols), corner
+    found = bounding_window(mask) if mask.any() else (slice(0, 1),) * 2
+    box = expand_window(found, _OUTLINE_MARGIN, mask.shape)
+    return box, first_pixel(box)
 
 
 def _select_connected(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:

@@ -151,6 +151,8 @@ class Candidate(NamedTuple):
         Mean edge strength along its boundary, in differences between white and black [1 / px].
     confidence : float
         Probability that it is an object.
+    model : str
+        The larger model that found it; empty if none did.
     """
 
     region: Region
@@ -159,6 +161,7 @@ class Candidate(NamedTuple):
     likelihood: float = 0.0
     strength: float = 0.0
     confidence: float = 0.0
+    model: str = ""
 
 
 EXCLUDED_POINT_REMARK = "A point in another object is ignored."

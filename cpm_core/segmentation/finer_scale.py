@@ -29,9 +29,6 @@ from cpm_core.numerics.types import Array, Index, Mask, Single
 _MIN_THINNED_PIXELS = 2**20
 """Pixels of an image above which the coarsest scale begins with fewer seeds, and a finer one after any start."""
 
-_EXPLAINED_CELLS = 1
-"""Cells to each side of a particle, whose place on the finer scale is not yet exact, in which it explains edges."""
-
 _SEED_CELLS = 4
 """Cells to each side of an edge in which seeds are kept: more than two seeds of a grid of 8 px. Seeds are everywhere if
 no place of the image is farther from one."""
@@ -98,7 +95,8 @@ def find_unexplained_edges(field: ScaleField, place: Array, shape: tuple[int, ..
     edges, explained = np.zeros((2, *shape), np.uint8)
     packed = field.packed  # made here: threads that find it missing would each make it
     run_in_bands(partial(_mark_edges, packed, field.floor, edges), len(edges))
-    around = cell_indices(place, shape)[:, None] + _EXPLAINED_CELLS * np.mgrid[-1:2, -1:2].reshape(2, 9, 1)
+    # also in the cells beside its own, as its place on the finer scale is not yet exact
+    around = cell_indices(place, shape)[:, None] + np.mgrid[-1:2, -1:2].reshape(2, 9, 1)
     _mark_cells(explained, around, _EXPLAINED[_directions(edge_contact_at(place, field)[2])])
     return edges != 0, (edges & ~explained) != 0
 

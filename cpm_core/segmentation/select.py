@@ -118,7 +118,9 @@ def select(
     """
     check_model(model, ndim=2)
     image = as_plane(values)
-    cut = Partition(image, (), model=model) if prior else replace(partition(image), uses_network=False)
+    cut = Partition(image, (), model=model)
+    if not prior:
+        cut = replace(Partition.from_result(_run_everywhere(image, EVERYWHERE_PARAMETERS)), uses_network=False)
     places = np.concatenate([as_positions(given, 2) for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 

@@ -385,8 +385,8 @@ def _read_channel_styles(file: tifffile.TiffFile, series: int) -> tuple[tuple[st
     """
     if file.ome_metadata:
         channels = _find_ome_pixels(file.ome_metadata, series).findall("{*}Channel")
-        stated = [" ".join(map(one.get, ("Name", "ContrastMethod"), ("", ""))) for one in channels]
-        named = (make_printable(name.removesuffix("Fluorescence").strip()) for name in stated)
+        stated = [" ".join(dict.fromkeys(map(one.get, ("Name", "ContrastMethod"), ("", "")))) for one in channels]
+        named = (make_printable(name.removesuffix(" Fluorescence").strip()) for name in stated)
         return tuple(zip(named, (_parse_ome_color(one.get("Color")) for one in channels), strict=True))
     hyperstack = file.imagej_metadata or {}
     tables, labels, count = hyperstack.get("LUTs", ()), hyperstack.get("Labels", ()), hyperstack.get("channels", 1)

@@ -5,6 +5,7 @@ The network sees a cube slice by slice.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterable
 from functools import cached_property
 from typing import Any, Self
@@ -58,6 +59,15 @@ _GRAY_SAMPLE_COUNT = 100_000
 
 _MAX_FLAT_RANGE = 1e-6
 """Range of gray levels, as a fraction of the largest, up to which a volume is uniform."""
+
+_level_lock = threading.RLock()
+"""Held while a level of a pyramid is computed, which threads that need it would each compute."""
+
+
+def measure_image_grays(values: NDArray[Any]) -> tuple[float, ...]:
+    """Measure the gray levels that become 0 and 255, in a sample of an image, shape (H, W) or (H, W, 3)."""
+    step = find_sample_step(values.shape[:2])
+    return measure_gray_range(values[::step, ::step])
 
 
 def find_sample_step(shape: Extent) -> int:
@@ -177,13 +187,14 @@ class ImageSampler:
         """Return the image for 0, shape (H, W, C); else normalized means of 2 x 2 pixels of the level before."""
         if number == 0:
             return self.values.reshape(*self.values.shape[:2], -1)
-        if number not in self._cached_levels:
-            finer = self._pyramid_level(number - 1)
-            height, width = finer.shape[0] // 2 * 2, finer.shape[1] // 2 * 2
-            rows = np.add(finer[0:height:2], finer[1:height:2], dtype=np.float64 if number == 1 else np.float32)
-            mean = 0.25 * (rows[:, 0:width:2] + rows[:, 1:width:2])
-            self._cached_levels[number] = self._normalize_grays(mean) if number == 1 else mean
-        return self._cached_levels[number]
+        with _level_lock:
+            if number not in self._cached_levels:
+                finer = self._pyramid_level(number - 1)
+                height, width = finer.shape[0] // 2 * 2, finer.shape[1] // 2 * 2
+                rows = np.add(finer[:height:2], finer[1:height:2], dtype=np.float64 if number == 1 else np.float32)
+                mean = 0.25 * (rows[:, :width:2] + rows[:, 1:width:2])
+                self._cached_levels[number] = self._normalize_grays(mean) if number == 1 else mean
+            return self._cached_levels[number]
 
     def _normalize_grays(self, values: NDArray[Any]) -> Single:
         """Scale gray levels to the range from 0 to 255."""
@@ -193,8 +204,7 @@ class ImageSampler:
     @cached_property
     def _gray_range(self) -> tuple[float, ...]:
         """Gray levels that become 0 and 255."""
-        step = find_sample_step(self.values.shape[:2])
-        return self.gray_range or measure_gray_range(self.values[::step, ::step])
+        return self.gray_range or measure_image_grays(self.values)
 
     @cached_property
     def _cached_levels(self) -> dict[int, Single]:

@@ -11,7 +11,7 @@ import scipy
 
 from cpm_core.numerics.grids import bounding_window, compute_iou, first_pixel, measure_depth
 from cpm_core.numerics.types import Array, Extent, Index, Numbers, Pixels, Single, record
-from cpm_core.objects.prior.crops import find_sample_step, measure_gray_range, sample_bilinear
+from cpm_core.objects.prior.crops import measure_image_grays, sample_bilinear
 from cpm_core.objects.prior.larger_models import decode_prompt, encode_image
 from cpm_core.objects.prior.object_predictor import (
     AREA_PENALTY,
@@ -103,8 +103,7 @@ class ModelPredictor:
     @cached_property
     def _pixels(self) -> Pixels:
         """The image that the model sees, shape (H, W, 3)."""
-        step = find_sample_step(self.values.shape[:2])
-        low, high = self.gray_range or measure_gray_range(self.values[::step, ::step])
+        low, high = self.gray_range or measure_image_grays(self.values)
         levels = np.clip((self.values - low) * (255.0 / max(high - low, 1e-300)), 0.0, 255.0).astype(np.uint8)
         picture = PIL.Image.fromarray(levels).convert("RGB")
         height, width = (max(round(side / self._scale), 1) for side in levels.shape[:2])

@@ -244,7 +244,7 @@ class ObjectPredictor:
     def predict_objects(self, prompt: Prompt, known_area: float | None = None) -> Iterator[Prediction]:
         """Predict the objects that a prompt may mean, as `Predictor.predict_objects`; last those cut by their crop."""
         if prompt.previous_mask is not None and prompt.previous_mask.any():
-            answer = self._predict_crop(_crop_around(true_bounds(prompt.previous_mask), prompt), prompt, None)
+            answer = self._predict_crop(_crop_around(true_bounds(prompt.previous_mask), prompt), prompt)
             found, _ = self._refine_prediction(answer, prompt, 1.0, _MIN_CROP_REFINEMENTS)
             yield self._refine_corrections(found, prompt, prompt.previous_mask)
             return
@@ -263,9 +263,7 @@ class ObjectPredictor:
             agreement = max((answer.compute_iou_with(one) for one in answers if one is not answer), default=1.0)
             return self._refine_prediction(answer, prompt, agreement, 0)
 
-        answers = map_in_parallel(
-            lambda window: self._predict_crop(window, prompt, None), [*self._propose_crops(prompt)]
-        )
+        answers = map_in_parallel(lambda window: self._predict_crop(window, prompt), [*self._propose_crops(prompt)])
         answers.sort(key=score, reverse=True)
         distinct = _choose_distinct(answers)
         close = sum(score(answer) > score(distinct[0]) - _CLOSE_SCORE for answer in distinct)
@@ -286,13 +284,13 @@ class ObjectPredictor:
         for crop in self._propose_crops(prompt):
             if crop.side > largest:
                 return
-            answer = self._predict_crop(crop, prompt, None)
+            answer = self._predict_crop(crop, prompt)
             yield self._build_prediction(answer, 1.0, answer.probability)
 
     def evaluate_mask(self, mask: Mask, inside: Index) -> Prediction:
         """Evaluate an object, shape (H, W), that was found otherwise and holds pixels, shape (M, 2), by the network."""
         prompt = Prompt(inside, previous_mask=mask)
-        answer = self._predict_crop(_crop_around(true_bounds(mask), prompt), prompt, None)
+        answer = self._predict_crop(_crop_around(true_bounds(mask), prompt), prompt)
         return self._build_prediction(answer, 1.0, answer.crop.sample_map(mask))
 
     def _refine_prediction(
@@ -323,7 +321,7 @@ class ObjectPredictor:
             crop = Crop2D.from_bounds(low, high)
             if crop.step_size > _MAX_CORRECTION_SHARE * found.downsampling:
                 continue
-            answer = self._predict_crop(crop, replace(prompt, previous_mask=mask), None)
+            answer = self._predict_crop(crop, replace(prompt, previous_mask=mask))
             box, part = crop.map_back(answer.probability, mask.shape)
             mask = mask.copy()
             mask[box] = part > INSIDE_PROBABILITY
@@ -346,13 +344,10 @@ class ObjectPredictor:
         shape = np.array(self.values.shape[:2])
         largest = MAX_RELATIVE_SIDE * float(shape.max())
         if prompt.drawn_area is None or not prompt.drawn_area.any():
-            middle, side = (
-                prompt.positive.mean(axis=0),
-                max(MIN_FIRST_SIDE, 1.5 * float(np.ptp(prompt.positive, axis=0).max())),
-            )
+            middle = prompt.positive.mean(axis=0)
+            side = max(MIN_FIRST_SIDE, 1.5 * float(np.ptp(prompt.positive, axis=0).max()))
         else:
-            place = np.argwhere(prompt.drawn_area)
-            low, high = place.min(axis=0), place.max(axis=0)
+            low, high = true_bounds(prompt.drawn_area)
             middle, side = 0.5 * (low + high), 1.5 * float((high - low).max()) + 8.0
         while side < largest / np.sqrt(CROP_SIZE_RATIO):
             yield Crop2D(middle, side)
@@ -360,7 +355,7 @@ class ObjectPredictor:
         yield Crop2D(middle, largest)
         yield Crop2D(0.5 * shape, largest)
 
-    def _predict_crop(self, window: Crop2D, prompt: Prompt, former: CropPrediction | None) -> CropPrediction:
+    def _predict_crop(self, window: Crop2D, prompt: Prompt, former: CropPrediction | None = None) -> CropPrediction:
         """Predict the object in a crop, given an earlier answer or the previous mask of the prompt."""
         seen = self._sampler.sample_crop(window)
         inside, outside = (mark_points(window.to_crop_steps(each)) for each in (prompt.positive, prompt.negative))

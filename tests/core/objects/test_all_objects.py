@@ -13,6 +13,7 @@ from cpm_core.model.starts import uniform_grid
 from cpm_core.objects import compute_iou
 from cpm_core.objects.candidate_regions import CandidateRegions
 from cpm_core.objects.confidence import estimate_among_siblings
+from cpm_core.objects.merged_basins import MergedBasins
 from cpm_core.objects.partition import partition_without_run
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.evolve import segment
@@ -100,6 +101,17 @@ def test_what_edges_bound_around_a_click_is_among_its_candidates_whatever_else_t
         depth = scipy.ndimage.distance_transform_edt(number == GRAINS)
         found = cut.find_candidates([np.unravel_index(depth.argmax(), depth.shape)])
         assert max(best_overlaps(found, [number == GRAINS])) > 0.9
+
+
+def test_what_edges_bound_is_looked_for_in_a_part_of_a_large_image_however_far_apart_points_are(monkeypatch):
+    widths, build = [], MergedBasins.from_edges
+    monkeypatch.setattr(
+        MergedBasins, "from_edges", lambda edges, *given: widths.append(edges.shape[1]) or build(edges, *given)
+    )
+    cut = partition_without_run(Image(np.random.default_rng(2).normal(100.0, 9.0, (40, 1600))))
+    for apart in (1100, 400):
+        assert cut.find_candidates([(20, 300), (20, 300 + apart)])
+    assert widths == [256 + 401 + 256]
 
 
 def test_a_grain_is_an_object_where_only_steps_of_gray_bound_it_and_some_are_faint():

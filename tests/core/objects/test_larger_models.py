@@ -53,6 +53,17 @@ def test_its_answers_are_candidates_with_confidence(partition) -> None:
     assert ring.confidence == max(one.confidence for one in found) > 0.5
 
 
+def test_what_only_edges_bound_is_no_answer_of_a_model(model, monkeypatch) -> None:
+    row, col = np.indices((90, 120))
+    bounded = (row < 50) & (col < 70)
+    values = 60.0 + 90.0 * bounded + np.random.default_rng(3).normal(0.0, 2.0, bounded.shape)
+    cut = Partition(cpm.Image(values), (), model=model)
+    monkeypatch.setattr(type(cut._predictor), "predict_objects", lambda *given: iter(()))
+    found = cut.find_candidates([(25, 35)])
+    assert max(compute_iou(one.mask, bounded) for one in found) > 0.9
+    assert {one.model for one in found} == {""}
+
+
 def test_limits_hold_and_clicks_correct(partition) -> None:
     found = partition.select([(60, 150)], excluded=ROWS > 80)
     assert found.mask.any() and true_bounds(found.mask)[1][0] == 80

@@ -103,6 +103,19 @@ def test_a_negative_point_that_leaves_nearly_all_of_a_joined_pair_makes_it_no_mo
         assert after.confidence <= before.confidence
 
 
+def test_an_object_beside_the_one_selected_before_is_as_likely_as_without_that():
+    row, col = np.indices((110, 150))
+    one, other = np.hypot(row - 55, col - 38) < 17, np.hypot(row - 55, col - 108) < 16
+    noise = np.random.default_rng(0).normal(0.0, 9.0, row.shape)
+    found = partition(ndi.gaussian_filter(40.0 + 60.0 * (one | other), 1.5) + noise)
+    before = found.select([(55, 38)])
+    after = found.select([(55, 38), (55, 108)], [(55, 38)], previous=before)
+    assert overlap(after.mask, other) > 0.9
+    assert after.size < before.size
+    alone = found.select([(55, 108)], [(55, 38)])
+    assert before.confidence < after.confidence == pytest.approx(alone.confidence, abs=0.02)
+
+
 @pytest.mark.parametrize("place", [(30, 44), (24, 36)])
 def test_points_that_change_nothing_leave_the_confidence_as_it_was(scene_partition, place):
     before = scene_partition.select([(30, 38)], [(30, 68)])

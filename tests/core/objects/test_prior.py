@@ -1,5 +1,7 @@
 """The prior: its network against sums over pixels, its windows against what they show, its answers on drawn objects."""
 
+import time
+from concurrent.futures import ThreadPoolExecutor
 from importlib.resources import files
 
 import numpy as np
@@ -63,6 +65,22 @@ def test_what_is_seen_does_not_depend_on_the_units_of_gray_levels(factor, offset
         rtol=1e-2,
         atol=2e-2,
     )
+
+
+def test_threads_that_need_the_same_level_of_a_pyramid_compute_it_once(monkeypatch):
+    computed, normalize = [], ImageSampler._normalize_grays
+
+    def normalize_slowly(sampler, values):
+        computed.append(values.shape[:2])
+        time.sleep(0.1)
+        return normalize(sampler, values)
+
+    monkeypatch.setattr(ImageSampler, "_normalize_grays", normalize_slowly)
+    sampler, window = ImageSampler(np.random.default_rng(1).normal(size=(400, 400))), Crop2D(np.full(2, 200.0), 440.0)
+    with ThreadPoolExecutor(3) as threads:
+        one, *others = threads.map(sampler.sample_crop, [window] * 3)
+    assert computed == [(200, 200)]
+    assert all((one == other).all() for other in others)
 
 
 @pytest.mark.parametrize("bright", [True, False])

@@ -25,10 +25,10 @@ CHANNEL_COLORS: dict[str, str] = {
 """Titles of the usual colors, in the order in which channels without a color of their own get them, as in ImageJ."""
 
 _TRANSMITTED_LIGHT = re.compile(
-    r"bright.?field|transmitted|phase.?contrast|\bphase$|hoffman|oblique|(?<![a-z])(bf|dic|tl|t.?pmt)(?![a-z])",
+    r"bright.?field|transmitted|phase.?contrast|(?<!\b[sm].)\bphase$|hoffman|oblique|(?<![a-z])(bf|dic|tl|t.?pmt)(?![a-z])",
     re.IGNORECASE,
 )
-"""Names of channels of transmitted light, and of methods of contrast with it."""
+"""Names of channels of transmitted light, and of methods of contrast with it; the S phase is one of cells."""
 
 
 @record

@@ -86,7 +86,7 @@ class ObjectSelection(QObject):
         self._selectors_source: PartitionSource | None = None
         self._seen: dict[int, Mapping[Clicks, Selection | None]] = {}
         """What clicks selected before contours or objects changed, by the number of the object."""
-        self._selector: Selector | None = None
+        self.selector: Selector | None = None
         """The selector of the object of the clicks."""
         self._asked: tuple[object, ...] = ()
         """All that the newest answer depends on."""
@@ -133,9 +133,9 @@ class ObjectSelection(QObject):
         """Whether the object of the clicks is known, or will not be; true without clicks."""
         if not self.selecting:
             return True
-        if self._selector is None:
+        if self.selector is None:
             return self.partition_updater.has_failed
-        return self._answered == (self._selector, self._session.document.objects.clicks)
+        return self._answered == (self.selector, self._session.document.objects.clicks)
 
     @property
     def has_waiting_actions(self) -> bool:
@@ -145,7 +145,7 @@ class ObjectSelection(QObject):
     @property
     def offer_is_known(self) -> bool:
         """Whether all that the run offers is shown; true if it offers nothing."""
-        shown = self._answered is not None and self._answered[0] is self._selector
+        shown = self._answered is not None and self._answered[0] is self.selector
         return not self._offers_run or (shown and self._is_searched and self.partition_updater.is_current)
 
     def object_number_at(self, at: Place) -> int:
@@ -404,7 +404,7 @@ class ObjectSelection(QObject):
             self._set_proposals(())
             self._catch_up()
             return
-        changed = self._selector is not None and known.items is not self._selector.items
+        changed = self.selector is not None and known.items is not self.selector.items
         gone = {click for item in known.items for click in item.clicks} if changed else set()  # accepted meanwhile
         self._set_proposals(
             tuple(each for each in self.proposals if not gone.issuperset(each.clicks) and (each.key or known.clicks))
@@ -419,7 +419,7 @@ class ObjectSelection(QObject):
         selector, clicks = self._get_selector(partition, known.edited), known.clicks
         asked = selector, clicks, pointed, stepped
         if asked != self._asked:
-            self._selector, self._asked = selector, asked
+            self.selector, self._asked = selector, asked
 
             def compute_answer() -> tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int, int] | None]:
                 offered = selector.propose(clicks)
@@ -448,7 +448,7 @@ class ObjectSelection(QObject):
         preview: Preview | None,
         candidate: tuple[Clicks, int, int] | None,
     ) -> None:
-        if selector is not self._selector or clicks != self._session.document.objects.clicks:
+        if selector is not self.selector or clicks != self._session.document.objects.clicks:
             return  # the next answer is on its way
         self._update_shown_objects(preview=preview if self._pointed is not None else None)
         before = self.proposals
@@ -537,7 +537,7 @@ class ObjectSelection(QObject):
         self._finding.cancel()
         self._selectors, self._seen, self._found = {}, {}, ()
         self._waiting.clear()
-        self._selector = self._answered = self._pointed = self._searched = None
+        self.selector = self._answered = self._pointed = self._searched = None
         self._steps, self._run_ended, self._asked = 0, False, ()
 
 

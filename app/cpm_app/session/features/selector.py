@@ -290,7 +290,7 @@ class Selector:
         self.partition, self.edited = partition, edited
         self.made_of = partition, items, found, rejected, overlaps
         """All that it depends on besides the object being changed."""
-        self.items, self._offered, self._rejected = items, found, rejected
+        self.items, self.offered, self._rejected = items, found, rejected
         self._limits = [item.region for item in items if item.number != edited and (item.frozen or not overlaps)]
         self._shown = shown or {}
         self.known: dict[Clicks, Selection | None] = {}
@@ -380,7 +380,7 @@ class Selector:
     @cached_property
     def _found(self) -> tuple[Proposal, ...]:
         """The found objects, without the pixels of existing ones."""
-        limited = map(self._limit_proposal, self._offered)
+        limited = map(self._limit_proposal, self.offered)
         return tuple(each for each in limited if each.selection.has_boundary)
 
     @cached_property
@@ -414,7 +414,7 @@ class Selector:
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:
         """The offered objects, except for rejected ones, those that exist, and parts of merged or corrected ones."""
-        new = {each.clicks for each in _remove_covered(self._offered, (*self.items, *self._rejected))}
+        new = {each.clicks for each in _remove_covered(self.offered, (*self.items, *self._rejected))}
         joined = [frozenset(item.clicks) for item in self.items]
         return tuple(
             each

@@ -88,6 +88,15 @@ def test_that_all_proposals_are_rejected_is_said_with_what_brings_them_back(read
     hand.wait(lambda: panel.summary.text() == "1 proposal")
 
 
+def test_a_run_that_offers_nothing_is_not_said_to_have_been_rejected(ready, hand, monkeypatch) -> None:
+    end_run(ready, hand)
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: describe_outcome(ready.workspace).endswith("or click one again (W)."))
+    monkeypatch.setattr(object_selection, "find_proposals", lambda *given: ())
+    ready.workspace.object_selection.search_again()
+    hand.wait(lambda: describe_outcome(ready.workspace).endswith("No object is offered: click one (W)."))
+
+
 def test_what_became_of_an_edit_is_said_until_the_next_one_and_other_news_for_a_while(ready, hand) -> None:
     end_run(ready, hand)
     line = ready.canvas_area.messages

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import tifffile
+from cpm_app.model.display.channels import list_channels
+from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.features import channel_images
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
@@ -309,6 +311,14 @@ def test_transmitted_light_is_gray_and_off_at_first_unless_it_is_open(
     click(hand, bar(window).buttons[1])
     wait_for_channels(window, hand)
     assert bar(window).buttons[1].isChecked() and hand.color_at(2.0, 2.0) == (255, 255, 255)
+
+
+@pytest.mark.parametrize(
+    ("name", "is_bright"), [("Phase", True), ("Ch2 Phase", True), ("Cells phase", True), ("S-phase", False)]
+)
+def test_the_phase_of_light_is_told_from_that_of_cells(name, is_bright) -> None:
+    (channel, _) = list_channels(FileParts(1, channels=2, channel_styles=((name, ""), ("GFP", ""))))
+    assert channel.is_bright == is_bright
 
 
 def test_channels_that_are_all_bright_are_all_shown(window, hand, tmp_path) -> None:

@@ -204,6 +204,10 @@ def test_channels_have_the_names_and_colors_that_ome_and_imagej_state(tmp_path):
     stated = {"Name": ["DAPI", "GFP", ""], "Color": [0x0000FFFF, -16776961, -1]}  # the last byte is the opacity
     tifffile.imwrite(path, planes, photometric="minisblack", metadata={"axes": "CYX", "Channel": stated})
     assert open_stack(path).channel_styles == (("DAPI", "#0000ff"), ("GFP", "#ff0000"), ("", "#ffffff"))
+    stated = {"Name": ["Fluorescence", "Ch2", "Brightfield"]}
+    stated["ContrastMethod"] = ["Fluorescence", "Fluorescence", "Brightfield"]
+    tifffile.imwrite(path, planes, photometric="minisblack", metadata={"axes": "CYX", "Channel": stated})
+    assert [name for name, _ in open_stack(path).channel_styles] == ["Fluorescence", "Ch2", "Brightfield"]
     tables = [np.outer(color, np.arange(256)).astype(np.uint8) for color in ((0, 1, 1), (1, 0, 1), (1, 1, 1))]
     tables[2] = tables[2][:, ::-1]  # inverted
     metadata = {"axes": "CYX", "mode": "composite", "LUTs": tables, "Ranges": (1.0, 99.0, 2.0, 98.0, 3.0, 97.0)}
