@@ -35,6 +35,7 @@ from cpm_core.numerics.grids import (
     nearest_pixels,
     running_maximum,
 )
+from cpm_core.numerics.parallel import map_in_parallel
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Extent, Index, Mask, frozen, record
 from cpm_core.objects.boundaries.boundary_guides import BoundaryGuides, build_boundary_guides
@@ -561,16 +562,17 @@ class Partition(drawing.Pictured):
         corner, values = first_pixel(window), self.values[window]
         lines = find_crossings(self._find_contour_paths(window, corner), values.shape).pixels
         basins = MergedBasins.from_edges(edge_map(values, "auto"), running_maximum(lines, 1), self.gray_span)
-        found = []
-        for box, inside in basins.find_regions_around(tuple(pixels[0] - corner)):
-            region = Region.from_mask(inside, first_pixel(box) + corner)
-            if region.size > _MAX_BASIN_SHARE * values.size:
-                break
-            if region.encloses(pixels.astype(float)).all():
-                answer = self.evaluate_mask(region.paste(self.shape), pixels)
-                features = ConfidenceFeatures(*answer[2:5], point_count=len(pixels))  # no other crop has said the same
-                found.append((answer.mean_certainty * answer.iou_to_previous, Candidate(region, features)))
-        return [one for _, one in sorted(found, key=lambda each: -each[0])]
+        most = _MAX_BASIN_SHARE * values.size
+        around = basins.find_regions_around(tuple(pixels[0] - corner))
+        regions = (Region.from_mask(inside, first_pixel(box) + corner) for box, inside in around)
+        held = [one for one in regions if one.size <= most and one.encloses(pixels.astype(float)).all()]
+
+        def evaluate(region: Region) -> tuple[float, Candidate]:
+            answer = self.evaluate_mask(region.paste(self.shape), pixels)
+            features = ConfidenceFeatures(*answer[2:5], point_count=len(pixels))  # no other crop has said the same
+            return answer.mean_certainty * answer.iou_to_previous, Candidate(region, features)
+
+        return [one for _, one in sorted(map_in_parallel(evaluate, held), key=lambda each: -each[0])]
 
     def _join_similar_pixels(self, mask: Mask) -> Mask:
         """Join an object, shape (H, W), with the pixels connected to it that are similar."""

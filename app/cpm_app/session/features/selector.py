@@ -332,7 +332,7 @@ class Selector:
             ):
                 made = seen
         if isinstance(self.partition, VolumePartition):
-            known = (one for one in self.known.values() if one is not None and one.has_same_region(made))
+            known = (one for one in list(self.known.values()) if one is not None and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
             _ = made.surface, made.contains(inside)  # cached on this thread, not on the window's
         return made
