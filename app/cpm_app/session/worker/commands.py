@@ -15,7 +15,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Concatenate, ParamSpec
 
-from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.export import (
     EXPORT_TITLES,
     ExportKind,
@@ -44,6 +44,7 @@ from cpm_app.session.exchange.messages import (
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.timeline.branches import StoredRuns
 from cpm_app.session.timeline.runs_json import runs_from_json, runs_to_json
+from cpm_app.session.timeline.timeline_nodes import StepAction
 from cpm_app.session.worker.run import Run
 from cpm_core import Result, Skeleton
 from cpm_core.formats import FIGURE_SUFFIXES, encode_descriptions, set_relative_source, write_together
@@ -291,10 +292,11 @@ class RunsRestored(Report):
     edition: int
 
 
-def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> WorkerCommand:
+def restore_runs(generation: int, plain: JsonObject, image: ImageReference, mode: Mode) -> WorkerCommand:
     """Put the runs of a session file on the timeline, and go to the step that was shown.
 
-    If they are damaged, that is reported, and there are none.
+    It has its own parameters if the session has another `mode`, whose parameters are for the next run. If the runs are
+    damaged, that is reported, and there are none.
     """
 
     def restore_and_show(context: CommandContext) -> None:
@@ -317,6 +319,13 @@ def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> W
         if here is None:
             context.report(RunsKept(run.generation, outline))
         else:
+            lines = ((kept, line) for kept in stored.runs for line in kept.branches)
+            first, actions = next(
+                (kept, line.node_at(here[1]).actions) for kept, line in lines if line.identity == here[0]
+            )
+            if first.document.mode != mode:
+                taken = (action.parameters for action in actions if isinstance(action, StepAction))
+                run.set_parameters(next(taken, first.document.parameters))
             run.go_to(*here)
             run.halt()
 
