@@ -295,8 +295,7 @@ class RunsRestored(Report):
 def restore_runs(generation: int, plain: JsonObject, image: ImageReference, mode: Mode) -> WorkerCommand:
     """Put the runs of a session file on the timeline, and go to the step that was shown.
 
-    It has its own parameters if the session has another `mode`, whose parameters are for the next run. If the runs are
-    damaged, that is reported, and there are none.
+    It keeps its own parameters if those of the session are for a run in another `mode`. Damage is reported: no runs.
     """
 
     def restore_and_show(context: CommandContext) -> None:
@@ -319,13 +318,11 @@ def restore_runs(generation: int, plain: JsonObject, image: ImageReference, mode
         if here is None:
             context.report(RunsKept(run.generation, outline))
         else:
-            lines = ((kept, line) for kept in stored.runs for line in kept.branches)
-            first, actions = next(
-                (kept, line.node_at(here[1]).actions) for kept, line in lines if line.identity == here[0]
-            )
-            if first.document.mode != mode:
-                taken = (action.parameters for action in actions if isinstance(action, StepAction))
-                run.set_parameters(next(taken, first.document.parameters))
+            lines = ((line, kept.document.mode) for kept in stored.runs for line in kept.branches)
+            shown, first = next(one for one in lines if one[0].identity == here[0])
+            taken = shown.node_at(here[1]).nodes_of_step[0].action
+            if first != mode and isinstance(taken, StepAction):
+                run.set_parameters(taken.parameters)
             run.go_to(*here)
             run.halt()
 
