@@ -588,7 +588,8 @@ class Session(QObject):
         self.store.set_busy("restoring", tr("Restoring the runs…"))
         self.post_command(call_run(None, Run.set_charges, self.store.image_generation, self.document.charges))
         self.post_command(call_run(None, Run.set_regions, self.document.regions))
-        self.post_command(restore_runs(self.store.image_generation, opened.saved.file.runs, image))
+        runs = opened.saved.file.runs
+        self.post_command(restore_runs(self.store.image_generation, runs, image, self.document.mode))
 
 
 def _make_first_document(opened: ImageOpened, mode: Mode) -> Document:

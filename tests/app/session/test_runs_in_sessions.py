@@ -14,6 +14,7 @@ from cpm_app.session.worker.run import Run
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QToolButton
 
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
@@ -181,6 +182,18 @@ def test_a_run_that_was_reset_is_on_the_timeline_after_opening(ready, hand, tmp_
     reopened(ready, hand, saved(ready, hand, tmp_path / "a.cpm"))
     assert ready.session.status.phase == "ready"
     assert [branch.name for branch in navigation(ready).timeline_state.branches] == ["Run 1"]
+
+
+def test_a_run_is_there_again_as_it_was_after_another_mode_has_been_chosen(ready, hand, tmp_path) -> None:
+    hand.qtbot.mouseClick(ready.findChild(QToolButton, "mode_automatic"), Qt.MouseButton.LeftButton)
+    run_to_the_end(ready, hand)
+    hand.qtbot.mouseClick(ready.findChild(QToolButton, "mode_shape"), Qt.MouseButton.LeftButton)
+    hand.wait(lambda: ready.session.idle)
+    found, contours = ready.session.scene.reconstruction.result.provenance, lines(ready)
+    reopened(ready, hand, saved(ready, hand, tmp_path / "a.cpm"))
+    assert ready.session.document.mode == "shape"
+    assert ready.session.scene.reconstruction.result.provenance.parameters == found.parameters
+    assert lines(ready) == contours
 
 
 def test_a_skeleton_is_there_again(ready, hand, tmp_path) -> None:

@@ -138,7 +138,8 @@ def _suggest_next_action(situation: Situation) -> str:
     elif status.started and status.stale and status.phase == "running":
         message = tr("The starts or scales have changed: they act from the next run on.")
     elif status.started and status.stale:
-        message = tr("The starts or scales have changed: Run starts over with them.")
+        startable = document.starts or not needs_start(document.mode)
+        message = tr("The starts or scales have changed: Run starts over with them.") if startable else ""
     elif status.started and status.steered:
         message = tr(
             "The parameters have changed: Resume ({key:run}) continues with them, Reset ({key:reset}) starts over."

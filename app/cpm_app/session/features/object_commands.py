@@ -38,7 +38,7 @@ ObjectState = Literal["frozen", "hidden"]
 
 def describe_doubtful(count: int) -> str:
     """Describe what to do with a number of proposals all of which are doubtful."""
-    return tr("Only doubtful objects were found: {count}. Select those to accept.", count=count)
+    return tr("Only doubtful proposals: {count}. Select those to accept.", count=count)
 
 
 class ObjectCommands(QObject):
@@ -75,9 +75,7 @@ class ObjectCommands(QObject):
         self._accept_rows(tr("accept {what}"), rows, copied=copied)
         self._session.end_gesture()
         if len(rows) < len(offered):
-            self._session.messages.show(
-                tr("Doubtful proposals are left: select one to accept it."), category=EDITING_CATEGORY
-            )
+            self._session.messages.show(describe_doubtful(len(offered) - len(rows)), category=EDITING_CATEGORY)
 
     def reject_selected(self) -> None:
         """Dismiss the selected proposals and remove the selected objects, none of which is proposed again.

@@ -455,7 +455,7 @@ class ObjectSelection(QObject):
         self._set_proposals(proposals)
         remark = translate_core_text(proposals[0].selection.remark) if clicks and proposals else ""
         remark = " ".join(filter(None, (remark, describe_no_effect(before, proposals))))
-        if remark and remark != self._remark:  # once
+        if remark and remark != self._remark and not clicks[-1].step:  # once; of a candidate its number is said
             self._session.messages.show(remark, category=EDITING_CATEGORY)
         self._remark = remark
         if candidate is not None and step is not None:

@@ -15,7 +15,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Concatenate, ParamSpec
 
-from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.export import (
     EXPORT_TITLES,
     ExportKind,
@@ -44,6 +44,7 @@ from cpm_app.session.exchange.messages import (
 from cpm_app.session.tasks.tasks import BackgroundTask
 from cpm_app.session.timeline.branches import StoredRuns
 from cpm_app.session.timeline.runs_json import runs_from_json, runs_to_json
+from cpm_app.session.timeline.timeline_nodes import StepAction
 from cpm_app.session.worker.run import Run
 from cpm_core import Result, Skeleton
 from cpm_core.formats import FIGURE_SUFFIXES, encode_descriptions, set_relative_source, write_together
@@ -291,10 +292,10 @@ class RunsRestored(Report):
     edition: int
 
 
-def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> WorkerCommand:
+def restore_runs(generation: int, plain: JsonObject, image: ImageReference, mode: Mode) -> WorkerCommand:
     """Put the runs of a session file on the timeline, and go to the step that was shown.
 
-    If they are damaged, that is reported, and there are none.
+    It keeps its own parameters if those of the session are for a run in another `mode`. Damage is reported: no runs.
     """
 
     def restore_and_show(context: CommandContext) -> None:
@@ -317,6 +318,11 @@ def restore_runs(generation: int, plain: JsonObject, image: ImageReference) -> W
         if here is None:
             context.report(RunsKept(run.generation, outline))
         else:
+            lines = ((line, kept.document.mode) for kept in stored.runs for line in kept.branches)
+            shown, first = next(one for one in lines if one[0].identity == here[0])
+            taken = shown.node_at(here[1]).nodes_of_step[0].action
+            if first != mode and isinstance(taken, StepAction):
+                run.set_parameters(taken.parameters)
             run.go_to(*here)
             run.halt()
 

@@ -199,7 +199,7 @@ class CanvasArea(QWidget):
             text = insert_keys(_WIDE_AREA_TEXT, percent=localize_number(f"{100.0 * share:.0f} %"))
         chosen = self._workspace.object_list.selected_numbers or session.scene.selected_contours
         if session.document.image is not None:
-            found = text if status.stale or status.steered else describe_outcome(self._workspace)
+            found = (text if status.stale or status.steered else "") or describe_outcome(self._workspace)
             if status.phase == "paused" and self._workspace.navigation.differing_parameters is not None:
                 found = _OTHER_VALUES_TEXT
             engaged = self.canvas.dispatcher.is_gesturing or chosen

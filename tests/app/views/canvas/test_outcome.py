@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from cpm_app.session.features import object_selection
 from cpm_app.session.features.object_selection import ObjectSelection
@@ -151,7 +152,7 @@ def test_enter_accepts_an_unlikely_object_only_once_it_is_selected(window, hand,
     make_unlikely(monkeypatch)
     window.actions_by_name["start_grid"].trigger()
     said = end_run(window, hand)
-    assert said == "Only doubtful objects were found: 1. Select those to accept."
+    assert said == "Only doubtful proposals: 1. Select those to accept."
     with hand.qtbot.waitSignal(window.session.messages.shown) as shown:
         hand.key(KEY.Key_Return)
     assert shown.args[0] == said
@@ -160,6 +161,26 @@ def test_enter_accepts_an_unlikely_object_only_once_it_is_selected(window, hand,
     window.workspace.object_list.select_items([row.key])
     hand.key(KEY.Key_Return)
     assert [item.confidence for item in window.session.document.objects.items] == [0.06]
+
+
+def test_what_enter_leaves_is_not_said_to_be_all_that_was_found(window, hand, monkeypatch, tmp_path) -> None:
+    def find_one_unlikely(*arguments):
+        first, *others = find_proposals(*arguments)
+        return first, *(replace(one, selection=replace(one.selection, confidence=0.06)) for one in others)
+
+    monkeypatch.setattr(object_selection, "find_proposals", find_one_unlikely)
+    rows, cols = np.ogrid[:60, :110]
+    np.save(tmp_path / "discs.npy", 200.0 * ((rows - 30) ** 2 + (cols % 55 - 27) ** 2 < 15**2))
+    with hand.qtbot.waitSignal(window.session.image_changed):
+        window.session.open_file(tmp_path / "discs.npy")
+    window.actions_by_name["start_grid"].trigger()
+    assert end_run(window, hand).startswith("2 objects found, 1 doubtful.")
+    with hand.qtbot.waitSignal(window.session.messages.shown) as shown:
+        hand.key(KEY.Key_Return)
+    assert len(window.session.document.objects.items) == 1
+    assert shown.args[0] == "Only doubtful proposals: 1. Select those to accept."
+    window.workspace.object_list.select_items(())
+    assert window.canvas_area.hint.text() == shown.args[0]
 
 
 def test_the_only_object_of_a_drawn_start_is_the_own_of_the_user(ready, hand, monkeypatch) -> None:

@@ -138,6 +138,17 @@ def find_skeleton(window, hand):
     return window.session.scene.skeleton
 
 
+def test_run_is_not_said_to_start_over_where_nothing_is_drawn_to_start_from(window, hand) -> None:
+    hand.qtbot.mouseClick(window.findChild(QToolButton, "mode_automatic"), Qt.MouseButton.LeftButton)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: "Enter accepts" in window.canvas_area.hint.text())
+    found = window.canvas_area.hint.text()
+    hand.qtbot.mouseClick(window.findChild(QToolButton, "mode_shape"), Qt.MouseButton.LeftButton)
+    hand.wait(lambda: window.session.status.stale)
+    assert window.canvas_area.hint.text() == found
+
+
 def test_sliders_of_the_skeleton_act_without_a_new_run_and_are_undone(window, hand) -> None:
     rows = window.panels["run"].parameters.rows
     assert not rows["pruning"].isVisibleTo(window)

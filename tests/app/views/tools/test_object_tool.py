@@ -20,6 +20,7 @@ from PySide6.QtCore import Qt
 from cpm_core import Partition, partition
 from cpm_core.image.region import Region
 from cpm_core.objects.segmented import Click, SegmentedObject
+from cpm_core.objects.selection import UNLIKELY_REMARK
 from cpm_core.shapes import Barrier, Circle, Polygon, PolygonRegion
 
 pytestmark = pytest.mark.shared_window
@@ -689,6 +690,18 @@ def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(win
     (item,) = taken(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
+
+
+def test_the_number_of_a_candidate_is_said_of_an_unlikely_one_too(window, hand, objects, monkeypatch) -> None:
+    def candidates(partition, inside, *rest, **more):
+        large, small = (partition.build_selection(disk(SMALL[0], radius), np.array(inside)) for radius in (9.0, 5.0))
+        return [replace(small, confidence=0.01, remark=UNLIKELY_REMARK), large]
+
+    monkeypatch.setattr(Partition, "find_candidates", candidates)
+    click(hand, 18, 18)
+    hand.key(KEY.Key_BracketLeft)
+    hand.wait(lambda: objects.idle and offered(objects).sum() == disk(SMALL[0], 5.0).sum())
+    assert window.canvas_area.messages.text == "Candidate 1 of 2."
 
 
 def test_brackets_take_the_next_candidate_and_undo_takes_the_step_back(window, hand, objects, monkeypatch) -> None:
