@@ -113,7 +113,7 @@ class FollowedObjects(QObject):
             def find_proposals(partition: Partition, task: BackgroundTask) -> tuple[Proposal, ...]:
                 follower = _make_follower(source, previous, largest)
                 found, events = follower.find_on_page(number, partition, task.check_cancelled)
-                if events:
+                if events and source.kind != "channel":  # between channels nothing ends or begins
                     session.tasks.call_in_window(partial(session.messages.show, _describe_events(events)))
                 items = _make_objects(found, previous[-1][1].objects.items)
                 return tuple(  # parts that have split off get their numbers when accepted

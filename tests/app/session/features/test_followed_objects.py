@@ -46,9 +46,9 @@ DIVIDING = [((32, 20, 9),), ((32, 20, 9),), ((25, 20, 6), (39, 20, 6)), ((22, 20
 def stack(window, hand, tmp_path: Path):
     """Opens a stack of pages with disks, with the tool for objects in use."""
 
-    def opened(pages):
+    def opened(pages, axes="TYX"):
         path = tmp_path / "cells.tif"
-        tifffile.imwrite(path, np.array([page(*disks) for disks in pages]), imagej=True, metadata={"axes": "TYX"})
+        tifffile.imwrite(path, np.array([page(*disks) for disks in pages]), imagej=True, metadata={"axes": axes})
         window.open_image(str(path))
         hand.wait(lambda: window.session.document.image.name == "cells.tif" and window.session.idle)
         hand.canvas.setFocus()
@@ -98,6 +98,16 @@ def items(window) -> dict[int, object]:
 def is_disk(item, disk_of: tuple[float, float, float]) -> bool:
     one, other = item.region.paste((64, 64)), disk(*disk_of)
     return (one & other).sum() / (one | other).sum() > 0.85
+
+
+@pytest.mark.parametrize(("axes", "told"), [("TYX", True), ("CYX", False)], ids=["in time", "in another channel"])
+def test_an_object_that_is_not_found_again_ends_in_time_and_not_between_channels(stack, hand, axes, told):
+    window, shown = stack([MOVING[0], MOVING[0][:1]], axes), []
+    window.session.messages.shown.connect(lambda message, *_: shown.append(message))
+    take(window, hand, *(each[:2] for each in MOVING[0]))
+    go(window, hand, 2)
+    assert [each.proposed_object.number for each in window.workspace.object_selection.proposals] == [1]
+    assert any("ends" in message for message in shown) == told
 
 
 def test_what_was_accepted_is_offered_on_the_next_page_with_its_number_name_class_and_color(stack, hand):
