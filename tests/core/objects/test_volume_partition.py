@@ -193,6 +193,20 @@ def test_further_clicks_in_a_scan_add_the_ball_clicked_or_remove_it_and_nothing_
     assert _dice(less.mask, balls[0] | balls[1]) > 0.93
 
 
+@pytest.mark.parametrize("level", [25.0, 170.0])
+def test_a_further_click_in_a_hollow_of_a_body_fills_that_hollow_and_nothing_else(level):
+    shape, middle = (76, 84, 76), np.array([38.0, 42.0, 38.0])
+    away = _lengths(shape, (1.0, 30.0 / 33.0, 1.0), middle)
+    place = middle + np.array([4.0, -9.0, 8.0])
+    hollow = _lengths(shape, (1.0,) * 3, place) < 6.0
+    values = np.select([hollow, away < 24.0, away < 29.0, away < 33.0], [level, 110.0, 22.0, 90.0])
+    values = scipy.ndimage.gaussian_filter(values, 0.8) + np.random.default_rng(8).normal(0.0, 5.0, shape)
+    cut, brain = cpm.partition(values), away < 24.0
+    found = cut.select([(38.0, 60.0, 32.0)])
+    assert _dice(found.mask, brain & ~hollow) > 0.97
+    assert _dice(cut.select([place], previous=found).mask, brain) > 0.97
+
+
 def test_a_click_on_a_branch_selects_the_whole_tree_and_another_takes_nothing_away():
     shape = (72, 96, 72)
     ends = np.array([(36, 4, 36), (36, 90, 36), (36, 30, 36), (66, 60, 60), (36, 50, 36), (8, 84, 12)], float)
