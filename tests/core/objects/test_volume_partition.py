@@ -319,6 +319,21 @@ def test_a_correction_keeps_all_clicks_and_the_same_arguments_give_the_same_answ
     np.testing.assert_array_equal(cut.select(within, beyond).surface.vertices, again.surface.vertices)
 
 
+def test_a_correction_is_the_same_after_a_click_elsewhere():
+    shape = (64, 80, 96)
+    skin = _lengths(shape, (1.0 / 44.0, 1.0 / 32.0, 1.0 / 42.0), np.array([32.0, 42.0, 48.0]))
+    organ = _lengths(shape, (1.0 / 16.0, 1.0 / 14.0, 1.0 / 15.0), np.array([32.0, 42.0, 30.0]))
+    centers = np.array([(24, 42, 66), (24, 42, 80), (38, 42, 73)], float)
+    ball = np.min([_lengths(shape, (1.0,) * 3, center) for center in centers], axis=0)
+    values = np.select([ball < 7.5, organ < 1.0, skin < 1.0], [250.0, 100.0, 40.0], -1000.0)
+    noisy = scipy.ndimage.gaussian_filter(values, 0.7) + np.random.default_rng(5).normal(0.0, 12.0, shape)
+    cut = cpm.partition(cpm.Image(noisy, spacing=(2.0, 1.0, 1.0)))
+    first = cut.select([(32, 42, 30)])
+    at_once = cut.select([], [(32, 42, 52)], previous=first)
+    cut.select(centers[:1])
+    assert np.array_equal(cut.select([], [(32, 42, 52)], previous=first).mask, at_once.mask)
+
+
 def test_a_click_where_no_surface_is_closed_adds_what_is_likely_there_to_what_is_certain():
     cut = parted()
     alone = cpm.VolumePartition(cut.image, cut.select([WALL]).surface)
