@@ -76,6 +76,11 @@ def window_at(corner: Iterable[int], shape: Extent) -> Window:
     return tuple(slice(at, at + side) for at, side in zip(corner, shape, strict=True))
 
 
+def window_around(pixel: Index, reach: int) -> Window:
+    """Return the window within so many pixels of a pixel along each axis, cut off at the first ones."""
+    return tuple(slice(max(at - reach, 0), at + reach + 1) for at in pixel.tolist())
+
+
 def lie_inside(pixels: NDArray[Any], shape: Extent | int) -> Mask:
     """Tell which pixels, shape (N, D), lie in a grid of this shape, shape (N,)."""
     return np.asarray(((pixels >= 0) & (pixels < shape)).all(axis=1))

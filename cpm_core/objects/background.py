@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.grids import nearest_pixels
+from cpm_core.numerics.grids import nearest_pixels, window_around
 from cpm_core.numerics.types import Array
 
 _SAME_LEVEL = 1.5
@@ -45,7 +45,7 @@ def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
     """
     level, noise = _measure_background(values)
     at = nearest_pixels(place, values.shape)
-    around = values[tuple(slice(max(index - 1, 0), index + 2) for index in at)]
+    around = values[window_around(at, 1)]
     if abs(float(np.median(around)) - level) > _SAME_LEVEL * noise:
         return False
     edges = np.abs(measure_edge_steps(values, surface)) > _MIN_EDGE * noise

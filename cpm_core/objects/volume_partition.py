@@ -357,7 +357,7 @@ class VolumePartition:
         given, size, (within, beyond) = body, self._predictor.voxel_sides, map(self._clip_points, (inside, outside))
         for places, adds in ((within, True), (beyond, False)):
             for place in places:
-                if (body.interpolate_logit(place * size) > 0.0) != adds:
+                if body.holds(place * size) != adds:
                     before = body
                     marks = within * size, beyond * size
                     find_other = partial(self._find_other_body, before, inside[:1], *marks)
@@ -378,16 +378,11 @@ class VolumePartition:
         self, body: BodyPrediction, place: Array, positive: Array, negative: Array
     ) -> BodyPrediction | None:
         """Find the body that all points mean instead of one of those around the first, shape (1, 3), if it is one."""
-        known = self._predicted_around.get(tuple(place[0].tolist()))
-        if known is None or not any(body is one for one in known[1]):
+        _, known = self._predict_around(place)
+        fits = [one for one in known if all(map(one.holds, positive)) and not any(map(one.holds, negative))]
+        if not fits or not any(np.array_equal(body.logits, one.logits) for one in known):
             return None
-        fits = [
-            one
-            for one in known[1]
-            if all(one.interpolate_logit(point) > 0.0 for point in positive)
-            and all(one.interpolate_logit(point) <= 0.0 for point in negative)
-        ]
-        return find_meant_body(fits, positive[0], lambda one: self._show_body(one, place)).prediction if fits else None
+        return find_meant_body(fits, positive[0], lambda one: self._show_body(one, place)).prediction
 
     def _extract_surface(self, body: BodyPrediction, within: Array, beyond: Array) -> Surface:
         """Extract the surface of a body in the regions of interest."""

@@ -27,7 +27,7 @@ from cpm_core.field.start_area.drawn_area import (
     typical_radius,
 )
 from cpm_core.field.start_area.surrounded_object import find_surrounded_object
-from cpm_core.numerics.grids import Labels, flood_from_markers, label_parts
+from cpm_core.numerics.grids import Labels, expand_window, flood_from_markers, label_parts
 from cpm_core.numerics.types import Array, Extent, Mask
 
 _SIGMA_PER_RADIUS = 0.1
@@ -183,7 +183,7 @@ def _find_enclosed_objects(ground: _Ground, pieces: Labels, hollow: Mask) -> Mas
     found, rim = np.zeros(pieces.shape, bool), scipy.ndimage.binary_dilation(ground.shut)
     boxes = scipy.ndimage.find_objects(pieces)
     for number in np.setdiff1d(pieces[hollow], 0).tolist():
-        box = tuple(slice(max(side.start - 1, 0), side.stop + 1) for side in boxes[number - 1])
+        box = expand_window(boxes[number - 1], 1, pieces.shape)
         piece = pieces[box] == number
         inner = find_surrounded_object(ground.values[box], ground.strength[box], piece & ~ground.shut[box])
         if (

@@ -1,8 +1,9 @@
 """Corrections: what a point changes that contradicts a body.
 
-Near the boundary it only moves the boundary. Else it adds the part between necks that contrasts with the surroundings
-as the body does, or removes the part between necks; where there is none, it decides for another body around the first
-point or for one that is cut from what it touches, or the network answers in the slices through it, and on from these.
+Near the boundary it only moves the boundary. Else it fills a hollow, adds the part between necks that contrasts with
+the surroundings as the body does, or removes the part between necks; where there is none, it decides for another body
+around the first point or for one that is cut from what it touches, or the network answers in the slices through it,
+and on from these.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import nearest_pixels, spread_labels, true_bounds
+from cpm_core.numerics.grids import nearest_pixels, spread_labels, true_bounds, window_around
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.boundaries.necks import measure_hull, split_at_necks
 from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
@@ -62,7 +63,7 @@ def correct_in_crop(
     before = body.resample_in(context.crop)
     step, slice_logits = context.crop.to_crop_steps(point), before.slice_logits
     if not lies_at_boundary(before, point):
-        part = (_find_similar_part if adds else _find_unwanted_part)(before, context, point)
+        part = (_find_missing_part if adds else _find_unwanted_part)(before, context, point)
         if part is not None:
             known = np.where(part > 0.0, np.float32(MAX_LOGIT if adds else -MAX_LOGIT), slice_logits)
             logits = np.maximum(part, before.logits) if adds else np.minimum(-part, before.logits)
@@ -91,14 +92,19 @@ def lies_at_boundary(body: BodyPrediction, point: Array) -> bool:
     return bool(near.any() and not near.all())
 
 
-def _find_similar_part(body: BodyPrediction, context: CropContext, point: Array) -> Single | None:
-    """Find the part that contrasts with the surroundings as a body does and holds a point, up to its necks.
+def _find_missing_part(body: BodyPrediction, context: CropContext, point: Array) -> Single | None:
+    """Find the hollow, if smaller than the body, or the part like it, up to its necks, that holds a point.
 
     Returns logits, or None unless the boundaries of the new part and of the body are about as strong.
     """
-    inside, within = body.logits > 0.0, np.zeros(body.logits.shape, np.bool_)
+    inside, within = body.logits > 0.0, np.zeros_like(body.logits, np.bool_)
     if not inside.any():
         return None
+    at = tuple(nearest_pixels(context.crop.to_crop_steps(point), inside.shape))
+    hollows, _ = scipy.ndimage.label(scipy.ndimage.binary_fill_holes(inside) & ~inside)
+    hollow = hollows == hollows[at]
+    if hollows[at] and np.count_nonzero(hollow) < np.count_nonzero(inside):
+        return np.where(hollow, MAX_LOGIT, -MAX_LOGIT).astype(np.float32)
     within[tuple(slice(first, last + 1) for first, last in context.inner_steps.tolist())] = True
     share = find_similar_pixels(context.grays, inside, within).astype(np.float32)
     logits = np.float32(MAX_LOGIT) * (2.0 * scipy.ndimage.gaussian_filter(share, _PART_SIGMA) - 1.0)
@@ -106,10 +112,9 @@ def _find_similar_part(body: BodyPrediction, context: CropContext, point: Array)
     part = find_part_at_necks(similar, point)
     logits = similar.logits if part is None else part.logits
     pieces, _ = scipy.ndimage.label((logits > 0.0) & ~inside & (body.slice_logits > EXCLUDED_LOGIT))
-    number = pieces[tuple(nearest_pixels(context.crop.to_crop_steps(point), pieces.shape))]
-    if not number:
+    if not pieces[at]:
         return None
-    added = pieces == number
+    added = pieces == pieces[at]
     edges = scipy.ndimage.gaussian_gradient_magnitude(average_blocks(context.grays, 2), 1.0)
     new, before = (average_blocks(mask.astype(np.float32), 2) > 0.5 for mask in (added, inside))
     along = scipy.ndimage.binary_dilation(new) & ~new & ~scipy.ndimage.binary_dilation(before, iterations=2)
@@ -164,11 +169,6 @@ def find_changes_near(before: BodyPrediction, after: BodyPrediction, point: Arra
     changed = (before.resample_in(after.crop).logits > 0.0) != (after.logits > 0.0)
     parts, _ = scipy.ndimage.label(scipy.ndimage.binary_erosion(changed))
     near = np.zeros_like(changed)
-    near[
-        tuple(
-            slice(max(step - _POINT_NEIGHBORHOOD, 0), step + _POINT_NEIGHBORHOOD + 1)
-            for step in np.rint(after.crop.to_crop_steps(point)).astype(int)
-        )
-    ] = True
+    near[window_around(nearest_pixels(after.crop.to_crop_steps(point), near.shape), _POINT_NEIGHBORHOOD)] = True
     held = np.isin(parts, np.setdiff1d(parts[near], 0))
     return np.asarray((scipy.ndimage.binary_dilation(held, iterations=2) | near) & changed)

@@ -48,10 +48,10 @@ class BodyPrediction:
         number = parts[tuple(step)]
         return float(np.count_nonzero(parts == number)) * (2.0 * self.crop.step_size) ** 3 if number else 0.0
 
-    def interpolate_logit(self, point: Array) -> float:
-        """Interpolate the logit of a point, shape (3,): above 0 it lies in the body."""
+    def holds(self, point: Array) -> bool:
+        """Return whether a point, shape (3,), lies in the body."""
         step = self.crop.to_crop_steps(point)[:, None]
-        return float(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-MAX_LOGIT)[0])
+        return bool(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-MAX_LOGIT) > 0.0)
 
     def resample_in(self, crop: Crop3D) -> BodyPrediction:
         """Resample the body in another crop; beyond its own crop is outside."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import Window, nearest_pixels
+from cpm_core.numerics.grids import nearest_pixels, window_around
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Index, Mask, Single
 from cpm_core.objects.prior.body_prediction import EXCLUDED_LOGIT, MAX_LOGIT, BodyPrediction
@@ -77,7 +77,7 @@ def predict_opened_body(context: CropContext, before: BodyPrediction | None = No
     grays = scipy.ndimage.gaussian_filter(average_blocks(context.grays, 2), 0.5)
     edges = scipy.ndimage.maximum_filter(scipy.ndimage.gaussian_gradient_magnitude(grays, 0.5), 3)
     inner, outer = (nearest_pixels(0.5 * steps - 0.25, grays.shape) for steps in (context.positive, context.negative))
-    levels = [np.median(grays[_window_around(step, 1)]) for step in inner]
+    levels = [np.median(grays[window_around(step, 1)]) for step in inner]
     difference = np.abs(grays - np.clip(grays, min(levels), max(levels)))
     for axis, (first, last) in enumerate((context.inner_steps // 2).tolist()):
         slices = np.moveaxis(difference, axis, 0)
@@ -115,7 +115,7 @@ def _cut_bridges(mask: Mask, step: Index) -> Mask | None:
     depth = scipy.ndimage.distance_transform_edt(mask)
     for radius in _BRIDGE_RADII:
         parts, _ = scipy.ndimage.label(depth > radius)
-        counts = np.bincount(parts[_window_around(step, int(radius))].ravel())
+        counts = np.bincount(parts[window_around(step, int(radius))].ravel())
         if not counts[1:].any():
             return None
         region = (scipy.ndimage.distance_transform_edt(parts != 1 + counts[1:].argmax()) <= radius) & mask
@@ -126,10 +126,6 @@ def _cut_bridges(mask: Mask, step: Index) -> Mask | None:
             return before
         before = region
     return None
-
-
-def _window_around(step: Index, reach: int) -> Window:
-    return tuple(slice(max(at - reach, 0), at + reach + 1) for at in step.tolist())
 
 
 def _find_largest_beside(values: Single) -> Single:

@@ -193,6 +193,20 @@ def test_further_clicks_in_a_scan_add_the_ball_clicked_or_remove_it_and_nothing_
     assert _dice(less.mask, balls[0] | balls[1]) > 0.93
 
 
+@pytest.mark.parametrize("level", [25.0, 170.0])
+def test_a_further_click_in_a_hollow_of_a_body_fills_that_hollow_and_nothing_else(level):
+    shape, middle = (76, 84, 76), np.array([38.0, 42.0, 38.0])
+    away = _lengths(shape, (1.0, 30.0 / 33.0, 1.0), middle)
+    place = middle + np.array([4.0, -9.0, 8.0])
+    hollow = _lengths(shape, (1.0,) * 3, place) < 6.0
+    values = np.select([hollow, away < 24.0, away < 29.0, away < 33.0], [level, 110.0, 22.0, 90.0])
+    values = scipy.ndimage.gaussian_filter(values, 0.8) + np.random.default_rng(8).normal(0.0, 5.0, shape)
+    cut, brain = cpm.partition(values), away < 24.0
+    found = cut.select([(38.0, 60.0, 32.0)])
+    assert _dice(found.mask, brain & ~hollow) > 0.97
+    assert _dice(cut.select([place], previous=found).mask, brain) > 0.97
+
+
 def test_a_click_on_a_branch_selects_the_whole_tree_and_another_takes_nothing_away():
     shape = (72, 96, 72)
     ends = np.array([(36, 4, 36), (36, 90, 36), (36, 30, 36), (66, 60, 60), (36, 50, 36), (8, 84, 12)], float)
@@ -303,6 +317,21 @@ def test_a_correction_keeps_all_clicks_and_the_same_arguments_give_the_same_answ
     assert _dice(found.mask, ring > 0.0) > 0.8
     again = cut.select(within, beyond)
     np.testing.assert_array_equal(cut.select(within, beyond).surface.vertices, again.surface.vertices)
+
+
+def test_a_correction_is_the_same_after_a_click_elsewhere():
+    shape = (64, 80, 96)
+    skin = _lengths(shape, (1.0 / 44.0, 1.0 / 32.0, 1.0 / 42.0), np.array([32.0, 42.0, 48.0]))
+    organ = _lengths(shape, (1.0 / 16.0, 1.0 / 14.0, 1.0 / 15.0), np.array([32.0, 42.0, 30.0]))
+    centers = np.array([(24, 42, 66), (24, 42, 80), (38, 42, 73)], float)
+    ball = np.min([_lengths(shape, (1.0,) * 3, center) for center in centers], axis=0)
+    values = np.select([ball < 7.5, organ < 1.0, skin < 1.0], [250.0, 100.0, 40.0], -1000.0)
+    noisy = scipy.ndimage.gaussian_filter(values, 0.7) + np.random.default_rng(5).normal(0.0, 12.0, shape)
+    cut = cpm.partition(cpm.Image(noisy, spacing=(2.0, 1.0, 1.0)))
+    first = cut.select([(32, 42, 30)])
+    at_once = cut.select([], [(32, 42, 52)], previous=first)
+    cut.select(centers[:1])
+    assert np.array_equal(cut.select([], [(32, 42, 52)], previous=first).mask, at_once.mask)
 
 
 def test_a_click_where_no_surface_is_closed_adds_what_is_likely_there_to_what_is_certain():
