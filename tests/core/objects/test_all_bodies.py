@@ -83,7 +83,7 @@ def test_a_volume_is_run_from_everywhere_for_its_objects():
     assert found.confidence == same.confidence
 
 
-@pytest.mark.parametrize(("seed", "noise"), [(31, 12.0), (32, 40.0)])
+@pytest.mark.parametrize(("seed", "noise"), [pytest.param(31, 12.0, marks=pytest.mark.long), (32, 40.0)])
 def test_a_run_everywhere_in_a_scan_proposes_the_body_its_faint_organ_and_each_ball_of_a_clump_once(seed, noise):
     values, truths = scan(seed, (56, 64, 72), noise)
     result = cpm.segment(values, cpm.seeds_everywhere(values), cpm.PRESETS["volume"])
