@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.image.image import Image, as_image, as_plane
+from cpm_core.image.image import Image, as_image
 from cpm_core.model.starts import uniform_grid
 from cpm_core.model.volume.starts import seeds_everywhere
 from cpm_core.numerics.real_numbers import as_positions, check_finite_number
@@ -117,7 +117,9 @@ def select(
     [True, False]
     """
     check_model(model, ndim=2)
-    image = as_plane(values)
+    image = as_image(values)
+    if image.ndim == 3:
+        raise ValueError("select is for images: in a volume, use partition(volume).select with the same points.")
     cut = Partition(image, (), model=model)
     if not prior:
         cut = replace(Partition.from_result(_run_everywhere(image, EVERYWHERE_PARAMETERS)), uses_network=False)

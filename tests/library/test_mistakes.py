@@ -31,6 +31,7 @@ MISTAKES = {
         'method is "gvf" but must be a class, or one of cpm, published',
     ),
     "no selection": (lambda: cpm.select(IMAGE, [(5, 5)], previous=3), "previous is 3 but must be a selection"),
+    "a volume": (lambda: cpm.select(cpm.example("ball"), [(15, 15, 15)]), r"in a volume, use partition\(volume\)"),
     "nothing alike": (lambda: cpm.select_all(IMAGE, [3]), r"like is \[3\] but must be a list of selections"),
     "no method": (lambda: cpm.run_method("x", IMAGE, cpm.Start((SEEDS,))), 'method is "x" but must be one of cpm, obj'),
 }
