@@ -566,13 +566,19 @@ class Partition(drawing.Pictured):
         around = basins.find_regions_around(tuple(pixels[0] - corner))
         regions = (Region.from_mask(inside, first_pixel(box) + corner) for box, inside in around)
         held = [one for one in regions if one.size <= most and one.encloses(pixels.astype(float)).all()]
+        seen = ((one, expand_window(one.window, 1, self.shape)) for one in held)
+        whole = [  # not cut off where the part of the image ends
+            one
+            for one, near in seen
+            if all(within.start <= at.start and at.stop <= within.stop for at, within in zip(near, window, strict=True))
+        ]
 
         def evaluate(region: Region) -> tuple[float, Candidate]:
             answer = self.evaluate_mask(region.paste(self.shape), pixels)
             features = ConfidenceFeatures(*answer[2:5], point_count=len(pixels))  # no other crop has said the same
             return answer.mean_certainty * answer.iou_to_previous, Candidate(region, features)
 
-        return [one for _, one in sorted(map_in_parallel(evaluate, held), key=lambda each: -each[0])]
+        return [one for _, one in sorted(map_in_parallel(evaluate, whole), key=lambda each: -each[0])]
 
     def _join_similar_pixels(self, mask: Mask) -> Mask:
         """Join an object, shape (H, W), with the pixels connected to it that are similar."""

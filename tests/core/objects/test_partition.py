@@ -13,6 +13,7 @@ from cpm_core.field.start_area.drawn_area import drawn_area, is_line
 from cpm_core.image.region import Region
 from cpm_core.numerics import polyline
 from cpm_core.objects.boundaries.necks import split_at_necks
+from cpm_core.objects.partition import partition_without_run
 
 from ..scenes import antialiased, disk, ring
 
@@ -417,3 +418,12 @@ def test_a_circle_counts_as_one_click_whoever_answers(place, disk_partition):
     assert drawn.features.point_count == 1
     alone = replace(disk_partition, contours=()).select(circle(place, 6.0))
     assert alone.features.point_count == 1
+
+
+def test_no_candidate_ends_where_the_part_of_a_large_image_ends_in_which_basins_are_looked_for():
+    row = np.indices((160, 700))[0]
+    noise = np.random.default_rng(1).normal(0.0, 4.0, row.shape)
+    cut = partition_without_run(Image(np.where(abs(row - 80) < 30, 160.0, 60.0) + noise))
+    for one in cut.find_candidates([(80, 350)]):
+        for last, beyond in ((350 - 256, 350 - 257), (350 + 256, 350 + 257)):
+            assert np.count_nonzero(one.mask[:, last] & ~one.mask[:, beyond]) < 20
