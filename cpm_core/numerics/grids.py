@@ -177,9 +177,12 @@ def label_parts(mask: Mask, *, corners: bool = True) -> tuple[Labels, int]:
     return np.asarray(labels, np.int32), int(count)
 
 
-def measure_depth(mask: Mask) -> Array:
-    """Measure how far each pixel of a mask is from the outside, which begins beyond the border of the grid [px]."""
-    depth: Array = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[(slice(1, -1),) * mask.ndim]
+def measure_depth(mask: Mask, sides: Array | None = None) -> Array:
+    """Measure how far each pixel of a mask is from the outside, which begins beyond the border of the grid.
+
+    The unit is that of the sides of a pixel, shape (D,), by default [px].
+    """
+    depth: Array = scipy.ndimage.distance_transform_edt(np.pad(mask, 1), sampling=sides)[(slice(1, -1),) * mask.ndim]
     return depth
 
 

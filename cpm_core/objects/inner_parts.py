@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel
+from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel, measure_depth
 from cpm_core.numerics.types import Array
 from cpm_core.objects.background import measure_level
 
@@ -30,8 +30,7 @@ def find_inner_parts(values: Array, body: Region, sides: Array) -> Iterator[Regi
     body = body.clipped(values.shape)
     window, inside = body.window, body.mask
     smooth = scipy.ndimage.gaussian_filter(values[window], 1.0 / sides)
-    depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1), sampling=sides)[(slice(1, -1),) * 3]
-    inner = depth > _EDGE_WIDTH
+    inner = measure_depth(inside, sides) > _EDGE_WIDTH
     if not inner.any():
         return
     level, noise = measure_level(smooth[inner], float(np.ptp(values)))

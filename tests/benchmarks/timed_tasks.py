@@ -18,7 +18,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import scipy
 from PIL import Image
 from PySide6.QtCore import QSettings, Qt
 from PySide6.QtTest import QTest
@@ -29,6 +28,7 @@ from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.application import make_application
 from cpm_app.views.main_window import make_window
 
+from cpm_core.numerics.grids import measure_depth
 from cpm_core.objects import compute_iou
 from tests.app.reading import treat_as_saved
 
@@ -70,11 +70,11 @@ class User:
         """Wait until the answer to all that was done is shown."""
         self.wait(lambda: self.session.idle and self.selection.idle and self.selection.answered)
 
-    def press(self, key: Qt.Key, modifier: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
+    def press(self, key: Qt.Key) -> None:
         """Press a key after a while."""
         QTest.qWait(int(1e3 * self.pace))
         self.steps += 1
-        QTest.keyClick(self.window.focusWidget() or self.window, key, modifier)
+        QTest.keyClick(self.window.focusWidget() or self.window, key)
         self.settle()
 
     def click(self, place: np.ndarray, modifier: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
@@ -98,8 +98,7 @@ class User:
 
 def innermost(mask: np.ndarray) -> np.ndarray:
     """The place of a mask that is farthest from its boundary."""
-    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
-    return np.array(np.unravel_index(depth.argmax(), mask.shape))
+    return np.array(np.unravel_index(measure_depth(mask).argmax(), mask.shape))
 
 
 def rate(masks: list[np.ndarray], labels: list[np.ndarray]) -> np.ndarray:

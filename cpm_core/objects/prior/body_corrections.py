@@ -19,7 +19,7 @@ from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.boundaries.necks import measure_hull, split_at_necks
 from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels
 from cpm_core.objects.prior.body_prediction import EXCLUDED_LOGIT, MAX_LOGIT, BodyPrediction, is_different_body
-from cpm_core.objects.prior.crops import CROP_SIDE, average_blocks
+from cpm_core.objects.prior.crops import CROP_SIDE, average_blocks, repeat_blocks
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
 from cpm_core.objects.prior.network import Network
 from cpm_core.objects.prior.slice_propagation import propagate_correction
@@ -154,7 +154,7 @@ def find_part_at_necks(body: BodyPrediction, point: Array) -> BodyPrediction | N
     part = parts == number
     if np.count_nonzero(part) < _MIN_PART_SOLIDITY * measure_hull(part):
         return None
-    near = spread_labels(parts).repeat(times, axis=0).repeat(times, axis=1).repeat(times, axis=2)
+    near = repeat_blocks(spread_labels(parts), times)
     left_out = np.float32(-MAX_LOGIT)
     logits = np.where(whole & (near == number), body.logits, np.minimum(body.logits, left_out))
     slice_logits = np.where(whole & (near != number), left_out, body.slice_logits)

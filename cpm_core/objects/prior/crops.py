@@ -345,3 +345,8 @@ def average_blocks(values: Single, side: int) -> Single:
     for _ in range(3):
         values = np.moveaxis(np.sum([values[k::side] for k in range(side)], axis=0), 0, -1)
     return values / np.float32(side**3)
+
+
+def repeat_blocks(values: NDArray[Any], side: int) -> NDArray[Any]:
+    """Repeat the steps of a cube in blocks of `side` steps along each axis."""
+    return values.repeat(side, axis=0).repeat(side, axis=1).repeat(side, axis=2)

@@ -11,7 +11,7 @@ from cpm_core.numerics.grids import nearest_pixels, window_around
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Index, Mask, Single
 from cpm_core.objects.prior.body_prediction import EXCLUDED_LOGIT, MAX_LOGIT, BodyPrediction
-from cpm_core.objects.prior.crops import average_blocks
+from cpm_core.objects.prior.crops import average_blocks, repeat_blocks
 from cpm_core.objects.prior.intensity_refinement import refine_by_intensity
 from cpm_core.objects.prior.volume_slices import CropContext
 
@@ -98,7 +98,7 @@ def predict_opened_body(context: CropContext, before: BodyPrediction | None = No
         return None
     near = scipy.ndimage.binary_dilation(best, iterations=_OPENED_MARGIN)
     coarse = np.where(best, MAX_LOGIT, np.where(near, -MAX_LOGIT, EXCLUDED_LOGIT)).astype(np.float32)
-    logits = coarse.repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
+    logits = repeat_blocks(coarse, 2)
     return BodyPrediction(context.crop, logits, refine_by_intensity(context, logits))
 
 
