@@ -25,7 +25,7 @@ from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import segment
 
 EVERYWHERE_PARAMETERS = Parameters(smoothing=1.5)
-"""Parameters of the run from everywhere whose contours guide outlines: also the faintest edges do."""
+"""Parameters of the run from everywhere whose contours guide outlines: they follow even the faintest edges."""
 
 
 def partition(
@@ -39,8 +39,8 @@ def partition(
         An image, in which a run from everywhere finds the contours; a volume, which needs no run; or the result of a
         run.
     parameters : Parameters or str, optional
-        Parameters of the run on an image. Unless they are given, contours follow also the faintest edges, so that
-        outlines do.
+        Parameters of the run on an image. Unless they are given, contours follow even the faintest edges, and outlines
+        with them.
     model : str, optional
         The larger model that answers prompts on an image in place of the network: one of `MODELS`, once `fetch_model`
         has fetched it, or a folder with the ONNX files of an encoder and a decoder. In a volume the address of a server

@@ -548,4 +548,4 @@ def describe_no_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]
     one, other = before[0].selection, after[0].selection
     if not before[0].clicks or not one.has_same_region(other):
         return ""
-    return tr("This click changes nothing: the object is so already.")
+    return tr("This click changes nothing: the object already looks like that.")

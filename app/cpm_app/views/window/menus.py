@@ -105,11 +105,12 @@ class ContextMenus(QObject):
             if isinstance(owner, MenuOwner):
                 item, at = owner.menu_at(None if place is None else owner.mapFromGlobal(place))
                 if item:
-                    self._show_menu(item, owner, place or owner.mapToGlobal(at))
+                    self._show_menu(item, owner, owner.mapToGlobal(at) if place is None else place)
                     return
             owner = owner.parentWidget()
         if widget is not None:
-            self._show_menu("", self._parent, place or widget.mapToGlobal(widget.rect().center()))
+            middle = widget.mapToGlobal(widget.rect().center())
+            self._show_menu("", self._parent, middle if place is None else place)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Open the menu unless a widget below has opened one."""
