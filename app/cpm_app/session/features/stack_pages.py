@@ -174,7 +174,7 @@ class StackPages(QObject):
         """Sentence on the objects that runs of all pages propose; empty before there are any."""
         pages = [page for page in self._proposed.values() if page.result is not None]
         count = len({one.number for page in pages for one in page.contours})
-        found = tr("{pages} of {all} pages were run. Objects on them, each counted once: {count}.",
+        found = tr("{pages} of {all} pages were run. Proposals on them, each counted once: {count}.",
                    pages=len(pages), all=self.count, count=count)  # fmt: skip
         return found if self._proposed else ""
 

@@ -279,7 +279,7 @@ def test_window_command_line_and_library_propose_the_same_objects_under_the_same
             settled(window, hand)
         # before the run of the page is back, the objects that are followed from the page before are offered
         hand.wait(lambda: window.session.status.phase == "finished" and selection.idle and bool(selection.proposals))
-        assert describe_outcome(window.workspace).startswith(f"{len(selection.proposals)} objects found")
+        assert describe_outcome(window.workspace).startswith(f"{len(selection.proposals)} proposals")
         seen.append({each.number for each in selection.proposals})
         hand.canvas.setFocus()
         hand.key(KEY.Key_Return)

@@ -31,7 +31,7 @@ def end_run(window, hand) -> str:
 
 def test_objects_that_were_found_are_counted_and_enter_accepts_them(ready, hand) -> None:
     said = end_run(ready, hand)
-    assert said.startswith("1 object found")
+    assert said.startswith("1 proposal")
     assert "Enter accepts it" in said
     hand.key(KEY.Key_Return)
     assert len(ready.session.document.objects.items) == 1
@@ -145,7 +145,7 @@ def make_unlikely(monkeypatch) -> None:
 def test_almost_no_confidence_is_remarked_of_a_proposal_of_a_run_as_of_a_click(ready, hand, monkeypatch) -> None:
     monkeypatch.setattr("cpm_core.objects.partition.estimate_confidence", lambda features: 0.01)
     said = end_run(ready, hand)
-    assert said.startswith("There may be no object here: the confidence is almost zero. 1 object found, 1 %.")
+    assert said.startswith("There may be no object here: the confidence is almost zero. 1 proposal, 1 %.")
 
 
 def test_enter_accepts_an_unlikely_object_only_once_it_is_selected(window, hand, monkeypatch) -> None:
@@ -174,7 +174,7 @@ def test_what_enter_leaves_is_not_said_to_be_all_that_was_found(window, hand, mo
     with hand.qtbot.waitSignal(window.session.image_changed):
         window.session.open_file(tmp_path / "discs.npy")
     window.actions_by_name["start_grid"].trigger()
-    assert end_run(window, hand).startswith("2 objects found, 1 doubtful.")
+    assert end_run(window, hand).startswith("2 proposals, 1 doubtful.")
     with hand.qtbot.waitSignal(window.session.messages.shown) as shown:
         hand.key(KEY.Key_Return)
     assert len(window.session.document.objects.items) == 1
@@ -185,7 +185,7 @@ def test_what_enter_leaves_is_not_said_to_be_all_that_was_found(window, hand, mo
 
 def test_the_only_object_of_a_drawn_start_is_the_own_of_the_user(ready, hand, monkeypatch) -> None:
     make_unlikely(monkeypatch)
-    assert end_run(ready, hand).startswith("1 object found, 6 %. Enter accepts it")
+    assert end_run(ready, hand).startswith("1 proposal, 6 %. Enter accepts it")
     hand.key(KEY.Key_Return)
     assert len(ready.session.document.objects.items) == 1
 

@@ -528,7 +528,7 @@ def test_what_is_said_about_a_click_goes_with_the_next_edit(window, hand, object
 
 def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window, hand, layer) -> None:
     run_everywhere(hand)
-    assert "2 objects found. Enter accepts all" in window.canvas_area.hint.text()
+    assert "2 proposals. Enter accepts all" in window.canvas_area.hint.text()
     assert layer.proposal_fill.count == 2
     hand.key(KEY.Key_Return)
     masks = [item.region.paste((64, 64)) for item in taken(window)]
@@ -566,7 +566,7 @@ def test_enter_accepts_what_a_run_found_although_an_object_accepted_before_was_s
     first = taken(window)
     assert [item.number for item in window.workspace.object_list.selected_objects] == [first[0].number]
     run_everywhere(hand, 1)
-    assert "1 object found" in window.canvas_area.hint.text()
+    assert "1 proposal" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     assert len(taken(window)) == 2
 
@@ -612,13 +612,13 @@ def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, 
     monkeypatch.setattr(object_selection, "find_proposals", found)
     hint, listed = window.canvas_area.hint, window.workspace.object_list
     run_everywhere(hand, count=3)
-    assert hint.text().startswith("3 objects found, 1 doubtful. Enter accepts 2 ")
+    assert hint.text().startswith("3 proposals, 1 doubtful. Enter accepts 2 ")
     listed.select_objects(
         row.key[1]
         for row in listed.rows
         if row.kind == "proposal" and row.item.region.encloses(np.array([SMALL[0], corner])).any()
     )
-    assert hint.text().startswith("2 of 3 objects are selected. Enter accepts them")
+    assert hint.text().startswith("2 of 3 proposals are selected. Enter accepts them")
     take(hand)
     assert len(taken(window)) == 2
     assert any(item.region.encloses(np.array([corner]))[0] for item in taken(window))
@@ -639,7 +639,7 @@ def test_a_proposal_that_is_clicked_again_is_accepted_by_enter(window, hand, obj
 def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(window, hand, objects) -> None:
     run_everywhere(hand)
     click(hand, 18, 18)
-    assert "1 of 2 objects" in window.canvas_area.hint.text()
+    assert "1 of 2 proposals" in window.canvas_area.hint.text()
     take(hand)
     (item,) = taken(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
@@ -765,7 +765,7 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
     likely = format_confidence(selection.proposals[0].selection)
-    assert f"1 object found, {likely}. Enter accepts it" in window.canvas_area.hint.text()
+    assert f"1 proposal, {likely}. Enter accepts it" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
