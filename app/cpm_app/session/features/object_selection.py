@@ -13,7 +13,6 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.document import objects
-from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
@@ -291,15 +290,7 @@ class ObjectSelection(QObject):
     # Internal
 
     def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:
-        followed = [
-            each.proposed_object for each in self.proposals if each.key and each.number and each.number == number
-        ]
-
-        def accept_and_select(document: Document) -> Document:
-            """Accept an object of the previous page as it is, so that it can be changed like any other."""
-            return objects.set_selection_clicks(objects.accept_objects(document, followed), clicks, number)
-
-        self._session.edit(undo_text, accept_and_select)
+        self._session.edit(undo_text, lambda document: objects.set_selection_clicks(document, clicks, number))
 
     def _number_to_correct(self, click: Click) -> int:
         """Return the number or key of the object or proposal that a click corrects; 0 if it begins a new object.
@@ -322,13 +313,13 @@ class ObjectSelection(QObject):
         return ((), 0) if found_nothing else self._clicks_before(self._number_to_correct(click))
 
     def _clicks_before(self, number: int) -> tuple[Clicks, int]:
-        """Return the clicks being made, or else those of an object or proposal, and the number of the object."""
+        """Return the clicks being made, or else those of an object or proposal, and the number of an object."""
         document = self._session.document
         if self.selecting or not number:
             return document.objects.clicks, document.objects.edited
         if number > 0 and document.image is not None:
             return objects.initial_clicks(document.objects[number], document.image.shape), number
-        return next(((each.clicks, each.number) for each in self.proposals if each.key == number), ((), 0))
+        return next((each.clicks for each in self.proposals if each.key == number), ()), 0
 
     @property
     def _offers_run(self) -> bool:

@@ -55,14 +55,17 @@ class StackPages(QObject):
     """Navigates the pages of a stack, runs all of them, and holds the results of each."""
 
     changed = Signal()
-    """Another page is open, or runs of pages have begun; `TaskManager.changed` tells when they end."""
+    """Another page is open, runs of pages have begun, whose end `TaskManager.changed` tells, or `following` differs."""
     results_changed = Signal()
     """The results of all pages have changed: `result`."""
 
     def __init__(self, session: Session, contour_selection: ContourSelection) -> None:
         super().__init__(session)
         self.following = True
-        """Whether each page starts from the contours of the previous one."""
+        """Whether each page starts from the contours of the previous one, and is offered its objects.
+
+        At first it is, except for channels, which show the same place in other ways.
+        """
         self._session = session
         self._file: DocumentFile
         self.source = StackSource()
@@ -181,6 +184,11 @@ class StackPages(QObject):
     def go_by(self, by: int) -> None:
         """Go some pages forward or backward, also past a page that could not be opened."""
         self.open_page(min(max(self.wanted_page + by, 1), self.count))
+
+    def toggle_following(self) -> None:
+        """Follow from page to page from now on, or no longer."""
+        self.following = not self.following
+        self.changed.emit()
 
     def open_page(self, number: int) -> None:
         """Go to a page, once the runs of the open page have been collected."""
@@ -419,7 +427,8 @@ class StackPages(QObject):
         self.cancel()
         in_volume = opened.image.ndim == 3
         source = self.source = StackSource.from_file(str(opened.path), opened.parts, opened.reading, in_volume)
-        self.number = self.wanted_page = source.page_number(opened.reading)
+        self.number, self.following = source.page_number(opened.reading), source.kind != "channel"
+        self.wanted_page = self.number
         self._kept, self._found_pages, self._proposed, self._given_starts = {}, {}, {}, ()
         self.table, self._linked, self._last_result, self._drawn = EMPTY_TABLE, {}, None, ()
         self._measured = IdentityCache()
