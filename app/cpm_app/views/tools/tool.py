@@ -112,6 +112,11 @@ class Tool:
         """Return the place in the image or in the volume of (row, col) in the view under the pointer."""
         return position if self.current_slice is None else self.current_slice.lift_position(position)
 
+    def is_in_image(self, place: Place) -> bool:
+        """Tell whether a place lies in the image or the volume, and not in the margin around it."""
+        shape = self._session.document.image and self._session.document.image.shape
+        return bool(shape) and all(-0.5 <= at <= side - 0.5 for at, side in zip(place, shape, strict=True))
+
     @property
     def pixel_sides(self) -> tuple[float, float]:
         """Height and width of a pixel in the view under the pointer [smallest side of a voxel]."""

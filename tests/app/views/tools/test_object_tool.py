@@ -440,6 +440,26 @@ def test_a_click_in_an_object_chooses_it_and_a_click_in_a_chosen_one_corrects_it
     assert item.region.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
 
 
+def test_a_click_in_the_margin_is_no_point_and_deselects_as_beside_objects(window, hand, objects, layer) -> None:
+    for modifier in (NONE, SHIFT):
+        click(hand, 20.0, -3.0, modifier)
+        assert not window.session.document.objects.clicks
+    hand.move(30.0, -3.0)
+    hand.qtbot.wait(20)
+    assert window.session.scene.objects.preview is None
+    click(hand, *SMALL[0])
+    before = window.session.document.objects.clicks
+    click(hand, 20.0, 67.0)
+    hand.drag((10.0, -3.0), (20.0, -4.0), (30.0, -3.0))
+    assert window.session.document.objects.clicks == before
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: bool(window.workspace.object_list.selected_numbers))
+    click(hand, 20.0, -3.0)
+    hand.wait(lambda: not window.workspace.object_list.selected_numbers)
+    hand.drag((43.0, -3.0), (43.0, 20.0), (43.0, 42.0))  # a stroke that begins there and reaches an object counts
+    assert len(window.session.document.objects.clicks) == 1
+
+
 def test_a_click_with_shift_in_an_object_begins_to_correct_it_at_once(window, hand, objects) -> None:
     click(hand, 18, 18)
     click(hand, 43, 42)
