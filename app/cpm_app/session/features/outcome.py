@@ -42,8 +42,11 @@ def describe_lack(workspace: Workspace) -> str:
         sentence = tr("The objects of the run are still being found.")
     elif shown is not None and shown.stop_reason:
         sentence = tr("No object is offered: click one ({key:objects}).")
-        if session.document.objects.rejected and selection.selector is not None and selection.selector.offered:
-            sentence = tr("All proposals are rejected: undo that ({key:undo}), or click one again ({key:objects}).")
+        rejected, before = session.document.objects.rejected, session.history.undone_document
+        if rejected and selection.selector is not None and selection.selector.offered:
+            sentence = tr("All proposals are rejected: click one again ({key:objects}).")
+            if before is not None and before.objects.rejected != rejected:
+                sentence = tr("All proposals are rejected: undo that ({key:undo}), or click one again ({key:objects}).")
     return insert_keys(sentence)
 
 

@@ -89,6 +89,21 @@ def test_that_all_proposals_are_rejected_is_said_with_what_brings_them_back(read
     hand.wait(lambda: panel.summary.text() == "1 proposal")
 
 
+def test_undo_is_not_advised_where_it_brings_no_proposal_back(ready, hand, tmp_path) -> None:
+    end_run(ready, hand)
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: describe_outcome(ready.workspace).endswith("or click one again (W)."))
+    ready.session.edit("draw", lambda document: replace(document, shapes=()))
+    said = "All proposals are rejected: click one again (W)."
+    assert describe_outcome(ready.workspace).endswith(said)
+    assert ready.document_file.save_and_wait(tmp_path / "rejected.cpm")
+    with hand.qtbot.waitSignal(ready.session.image_changed):
+        ready.session.open_file(tmp_path / "rejected.cpm")
+    assert not ready.actions_by_name["undo"].isEnabled()
+    hand.wait(lambda: describe_outcome(ready.workspace).endswith(said))
+    hand.wait(lambda: said in ready.canvas_area.hint.text())
+
+
 def test_a_run_that_offers_nothing_is_not_said_to_have_been_rejected(ready, hand, monkeypatch) -> None:
     end_run(ready, hand)
     hand.key(KEY.Key_X)
