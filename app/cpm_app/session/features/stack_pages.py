@@ -167,10 +167,15 @@ class StackPages(QObject):
 
     @property
     def offers_objects(self) -> bool:
-        """Whether a page offers objects of which none has been accepted or rejected yet."""
-        known = ((number, document.objects) for number, document in self.documents.items())
-        done = {number for number, objects in known if objects.items or objects.rejected}
-        return any(page.contours and number not in done for number, page in self._proposed.items())
+        """Whether a page offers objects that are not all rejected, and none of which has been accepted yet."""
+        documents = self.documents
+
+        def offers(number: int, page: Page) -> bool:
+            known = documents[number].objects if number in documents else SegmentedObjects()
+            left = {one.number for one in page.contours} - {item.number for item in known.rejected}
+            return bool(left) and not known.items
+
+        return any(offers(*each) for each in self._proposed.items())
 
     @property
     def found_objects(self) -> str:

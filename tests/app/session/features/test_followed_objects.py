@@ -310,6 +310,24 @@ def run_all(window, hand) -> None:
     settled(window, hand)
 
 
+def test_a_page_is_done_once_all_that_it_offers_is_rejected_and_not_before(stack, hand):
+    window = stack([MOVING[0]] * 2)
+    run_all(window, hand)
+    selection, panel = window.workspace.object_selection, window.panels["pages"]
+    for page in (1, 2):
+        if page == 2:
+            go(window, hand, 2)
+        hand.wait(lambda: len(selection.proposals) == 2 and selection.idle)
+        for left in (1, 0):
+            assert "Enter accepts" in panel.summary.text()
+            window.workspace.object_list.select_objects([selection.proposals[0].key])
+            hand.canvas.setFocus()
+            hand.key(KEY.Key_X)
+            hand.wait(lambda left=left: len(selection.proposals) == left)
+            settled(window, hand)
+    hand.wait(lambda: panel.summary.text() == "2 of 2 pages finished; tracks: 2.")
+
+
 def number_at(labels, disk) -> int:
     return int(labels[round(disk[0]), round(disk[1])])
 
