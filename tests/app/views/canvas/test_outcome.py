@@ -194,8 +194,15 @@ def test_what_enter_leaves_is_not_said_to_be_all_that_was_found(window, hand, mo
         hand.key(KEY.Key_Return)
     assert len(window.session.document.objects.items) == 1
     assert shown.args[0] == "Only doubtful proposals: 1. Select those to accept."
-    window.workspace.object_list.select_items(())
+    listed, panel = window.workspace.object_list, window.panels["objects"]
+    listed.select_items(())
     assert window.canvas_area.hint.text() == shown.args[0]
+    window.docks.reveal_panel("objects")
+    panel.show_selected()
+    assert panel.figures.text() == ""  # nothing is selected, and Enter would take nothing
+    listed.select_items([listed.rows[-1].key])
+    panel.show_selected()
+    assert panel.figures.text().startswith("proposal · ")
 
 
 def test_the_only_object_of_a_drawn_start_is_the_own_of_the_user(ready, hand, monkeypatch) -> None:
