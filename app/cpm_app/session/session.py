@@ -433,7 +433,7 @@ class Session(QObject):
         rested = change.place_before is not None and change.place_before.at_rest
         resumes = rested and place is None and not (back or change.erases)
         shown, goes_on = self._find_place(), change.erases and self.status.phase == "running"
-        with self.store.defer_status():
+        with self.store.draw_once():
             self._set_document(change.before if back else change.after, resumes=resumes)
         if place is not None:
             here = self.store.generation
@@ -450,7 +450,7 @@ class Session(QObject):
     def _push_and_show(self, change: Change) -> None:
         """Note a change for undo, and show the document after it."""
         self.history.push(change)
-        with self.store.defer_status():
+        with self.store.draw_once():
             self._set_document(change.after, complete=not change.gesture)
 
     def _find_place(self) -> TimelinePlace | None:
@@ -499,7 +499,7 @@ class Session(QObject):
             if sized is not None and sized is not image:
                 self.post_command(call_run(None, Run.change_pixel_size, sized, document))
             self.run_updater.update_run(before, document, complete, resumes)
-            self.store.scene_changed.emit()
+            self.store.announce_scene()
         self.document_changed.emit(document)
         self.store.announce_status()
 

@@ -577,6 +577,18 @@ def doubtful(window, monkeypatch):
     return chosen
 
 
+def test_enter_draws_the_canvas_once(window, hand, objects, monkeypatch) -> None:
+    click(hand, *SMALL[0])
+    drawn = []
+    draw = window.canvas_area.canvas.draw_scene
+    monkeypatch.setattr(window.canvas_area.canvas, "draw_scene", lambda scene: (drawn.append(scene), draw(scene)))
+    accepted = window.workspace.object_list.selected_numbers
+    window.workspace.object_commands.accept_pending()
+    assert len(drawn) == 1
+    assert drawn[0] is window.session.scene
+    assert window.workspace.object_list.selected_numbers != accepted
+
+
 def test_enter_accepts_what_a_run_found_although_an_object_accepted_before_was_selected(
     window, hand, objects, doubtful
 ) -> None:
