@@ -57,6 +57,7 @@ from cpm_core import RUN_METHODS, Image, Parameters
 from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.numerics import Place
+from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Sphere
 
 _PREPARING_TEXT = tr("Preparing (takes longer the first time)…")
@@ -149,6 +150,12 @@ class Session(QObject):
     def document(self) -> Document:
         """The document of the scene."""
         return self.scene.document
+
+    @property
+    def deleted_objects(self) -> tuple[SegmentedObject, ...]:
+        """Objects that have been deleted while the run was shown, which it does not propose again."""
+        shown = self.scene.snapshot
+        return () if shown is None else self.history.find_deleted_objects(shown.timeline.run_generation)
 
     @property
     def selected_shape(self) -> int | None:

@@ -371,9 +371,7 @@ class ObjectSelection(QObject):
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
         known, found = self._session.document.objects, self._find_offered(partition)
-        rejected, shown = known.rejected, self._session.scene.snapshot
-        if shown is not None:  # what the user has deleted is not proposed again by the same run
-            rejected += self._session.history.find_deleted_objects(shown.timeline.run_generation)
+        rejected = known.rejected + self._session.deleted_objects
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
             source = self.partition_updater.source

@@ -710,6 +710,22 @@ def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
+def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path) -> None:
+    run_everywhere(hand)
+    take(hand)
+    hand.wait(lambda: objects.idle and len(taken(window)) == 2)
+    window.workspace.object_list.select_objects((1,))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Delete)
+    hand.wait(lambda: objects.idle and len(taken(window)) == 1)
+    assert window.document_file.save_and_wait(tmp_path / "deleted.cpm")
+    with hand.qtbot.waitSignal(window.session.image_changed):
+        window.session.open_file(tmp_path / "deleted.cpm")
+    hand.wait(lambda: window.session.status.phase == "finished" and objects.offer_is_known and objects.idle)
+    assert objects.proposals == ()
+    assert len(taken(window)) == 1
+
+
 def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(window, hand, objects) -> None:
     run_everywhere(hand)
     click(hand, 18, 18)
