@@ -36,6 +36,7 @@ from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.segmented import Click, selection_from_object, unite_regions
 from cpm_core.objects.segmented.segmented_object import Clicks
+from cpm_core.results import is_likely
 
 _SAME_OBJECT_COVERAGE = 0.5
 """Share of an object covered by others from which it counts as one of them."""
@@ -278,10 +279,18 @@ class ObjectSelection(QObject):
             if not found:
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
+            before = {item.number for item in self._session.document.objects.items}
             self._session.edit(
                 tr("all like this"), lambda document: objects.add_selections(document, found, example.category)
             )
-            self._session.messages.show(tr("{count} objects like this one were found.", count=len(found)))
+            new = (item.number for item in self._session.document.objects.items if item.number not in before)
+            made = (each for each in found if each.has_boundary)
+            doubtful = [number for number, each in zip(new, made, strict=True) if not is_likely(each)]
+            words = tr("Objects like this one: {count}.", count=len(found))
+            if doubtful:
+                self._list.select_objects(doubtful)
+                words += " " + tr("The doubtful ones are selected: {count}. Delete removes them.", count=len(doubtful))
+            self._session.messages.show(words)
 
         self._session.tasks.start_task(
             tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found

@@ -726,6 +726,28 @@ def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, ob
     assert len(taken(window)) == 1
 
 
+@pytest.mark.parametrize(("confidence", "left"), [(0.1, 1), (0.9, 2)], ids=["doubtful", "sure"])
+def test_doubtful_ones_of_all_like_an_object_are_selected_to_be_deleted(
+    window, hand, objects, monkeypatch, confidence, left
+) -> None:
+    def find_one(cut, like):
+        return like[0], replace(cut.select([LARGE[0]]), confidence=confidence)
+
+    monkeypatch.setattr(object_selection, "select_all", find_one)
+    click(hand, *SMALL[0])
+    take(hand)
+    hand.wait(lambda: objects.idle and window.workspace.object_list.selected_numbers == {1})
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: objects.idle and len(taken(window)) == 2)
+    said = "Objects like this one: 1."
+    doubts = " The doubtful ones are selected: 1. Delete removes them." if left == 1 else ""
+    assert window.canvas_area.messages.text == said + doubts
+    assert window.workspace.object_list.selected_numbers == ({2} if left == 1 else {1})
+    if left == 1:
+        hand.key(KEY.Key_Delete)
+    assert len(taken(window)) == left
+
+
 def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(window, hand, objects) -> None:
     run_everywhere(hand)
     click(hand, 18, 18)
