@@ -58,7 +58,7 @@ class Tool:
     """Text of its button; empty for that in the menu."""
     shortcut: str
     """Key that selects the tool."""
-    panel: Literal["objects", "run"] = "run"
+    panel: Literal["objects", "run", "measures"] = "run"
     """The tab of the right column that belongs to it."""
     tip: str = ""
     """Sentence on what the tool does."""
