@@ -114,8 +114,8 @@ class Tool:
 
     def is_in_image(self, place: Place) -> bool:
         """Tell whether a place lies in the image or the volume, and not in the margin around it."""
-        shape = self._session.document.image and self._session.document.image.shape
-        return bool(shape) and all(-0.5 <= at <= side - 0.5 for at, side in zip(place, shape, strict=True))
+        image = self._session.document.image
+        return image is not None and all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True))
 
     @property
     def pixel_sides(self) -> tuple[float, float]:
