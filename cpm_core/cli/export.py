@@ -162,9 +162,9 @@ def _restore_or_run(session: SessionFile, parameters: Parameters, image: Image, 
     ensure_compiled(volume=image.ndim == 3)
     kept = restore_shown_state(replace(session, parameters=parameters), image)
     if kept is not None:
-        state, made_with = kept
-        method = find_seeded_methods()[method_of(session)](image, made_with, state.regions)
-        return replace(cast("Result", method.result(state, made_with)), source=image.source)
+        state, begun, shown = kept
+        method = find_seeded_methods()[method_of(begun)](image, begun.parameters, state.regions)
+        return replace(cast("Result", method.result(state, shown)), source=image.source)
     if not select_starts(session.shapes):
         raise ValueError(f"{source.name} has no start and no contours: draw a start in the window, and save it again.")
     with StatusLine() as line:

@@ -17,7 +17,7 @@ from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Extent, JsonDict
 from cpm_core.objects.segmented import object_label
-from cpm_core.pages.page import Page, strip_image
+from cpm_core.pages.page import Page, round_vertices, strip_image
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters, choose_parameters
 from cpm_core.parameters.formatting import quote_value
@@ -152,7 +152,7 @@ class PageFollower:
 
         A run `continues` if it began along the contours of the page before.
         """
-        start = strip_image(run).contours or self._last
+        start = round_vertices(run.contours) or self._last
         chosen = replace_by_objects(run, find_objects(run, continues=continues))
         found = replace(run, contours=chosen.contours, bridges=chosen.bridges, provenance=chosen.provenance)
         page = self.add_page(number, found, numbered=False)

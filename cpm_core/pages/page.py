@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.measurements import assign_labels
 from cpm_core.contours.rasterize import rasterize_labels
 from cpm_core.numerics.grids import rank_values
@@ -152,6 +152,11 @@ class Track:
     end: TrackEvent | None
 
 
+def round_vertices(contours: Contours) -> tuple[Contour, ...]:
+    """Round the vertices of contours as files hold them, from which the next page starts."""
+    return tuple(replace(contour, points=np.round(contour.points, _VERTEX_DECIMALS)) for contour in contours)
+
+
 def strip_image(result: Result) -> Result:
     """Strip a result of its image: contours as files hold them, with their contrast and gray values.
 
@@ -163,14 +168,15 @@ def strip_image(result: Result) -> Result:
     contours = tuple(
         replace(
             contour,
-            points=np.round(contour.points, _VERTEX_DECIMALS),
             strength=round(strength, _MEASURE_DECIMALS),
             measure_contrast=None
             if contour.measure_contrast is None
             else partial(round, contour.contrast, _MEASURE_DECIMALS),
             gray=gray,
         )
-        for contour, strength, gray in zip(result.contours, strengths, _measure_gray_means(result), strict=True)
+        for contour, strength, gray in zip(
+            round_vertices(result.contours), strengths, _measure_gray_means(result), strict=True
+        )
     )
     bridges = tuple(
         replace(

@@ -120,8 +120,9 @@ def select(
     image = as_image(values)
     if image.ndim == 3:
         raise ValueError("select is for images: in a volume, use partition(volume).select with the same points.")
-    cut = Partition(image, (), model=model)
-    if not prior:
+    if prior:
+        cut = Partition(image, (), model=model)
+    else:
         cut = replace(Partition.from_result(_run_everywhere(image, EVERYWHERE_PARAMETERS)), uses_network=False)
     places = np.concatenate([as_positions(given, 2) for given in (start, inside)])
     return cut.select(places, outside, stroke=stroke, box=box, previous=previous)

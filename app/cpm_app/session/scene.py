@@ -7,7 +7,7 @@ Another canvas, such as an animation, draws another scene: ``dataclasses.replace
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
 
 from cpm_app.model.display.channels import Channel
@@ -44,7 +44,7 @@ class Proposal:
     key : int
         Key for selecting it, below 0, constant while it is offered; 0 for the object of the clicks.
     followed_object : SegmentedObject or None
-        The object that it becomes, if it has been followed from the previous page.
+        The object that it was followed from page to page as, whose name, class and color it gets.
     """
 
     selection: Selection
@@ -56,7 +56,8 @@ class Proposal:
     @cached_property
     def proposed_object(self) -> SegmentedObject:
         """The object that accepting it would create, of the first class unless it was followed; needs a boundary."""
-        return self.followed_object or object_from_selection(self.selection, self.clicks, self.number or 1, 1)
+        made, known = object_from_selection(self.selection, self.clicks, self.number or 1, 1), self.followed_object
+        return made if known is None else replace(made, name=known.name, color=known.color, category=known.category)
 
 
 @record

@@ -64,6 +64,8 @@ class SceneStore(QObject):
 
     scene_changed = Signal()
     """The scene has been replaced."""
+    drawing_wanted = Signal()
+    """The scene is to be drawn: it has been replaced, perhaps several times in one edit."""
     status_changed = Signal()
     """`Session.resolved` may have changed."""
 
@@ -84,12 +86,21 @@ class SceneStore(QObject):
         """What has been written since an export was last requested."""
         messages.cleared.connect(self._on_messages_cleared)
         self._deferring = self._status_deferred = False
+        self._drawing_held = self._has_undrawn = False
         self._listeners: dict[type[Report], list[Callable[[Any], object]]] = {}
 
     def set_scene(self, scene: Scene) -> None:
         """Show another scene."""
         self.scene = scene
+        self.announce_scene()
+
+    def announce_scene(self) -> None:
+        """Announce that the scene has been replaced, and have it drawn."""
         self.scene_changed.emit()
+        if self._drawing_held:
+            self._has_undrawn = True
+        else:
+            self.drawing_wanted.emit()
 
     def announce_status(self) -> None:
         """Announce that `Session.resolved` may have changed."""
@@ -111,6 +122,21 @@ class SceneStore(QObject):
             self._deferring = False
             if self._status_deferred:
                 self.status_changed.emit()
+
+    @contextmanager
+    def draw_once(self) -> Iterator[None]:
+        """Draw the scene only once, at the end of an edit, and announce a changed status after that."""
+        with self.defer_status():
+            if self._drawing_held:
+                yield
+                return
+            self._drawing_held, self._has_undrawn = True, False
+            try:
+                yield
+            finally:
+                self._drawing_held = False
+                if self._has_undrawn:
+                    self.drawing_wanted.emit()
 
     def add_listener(self, kind: type[R], listener: Callable[[R], object]) -> None:
         """Call a listener with all reports of one kind from now on."""

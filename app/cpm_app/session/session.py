@@ -57,6 +57,7 @@ from cpm_core import RUN_METHODS, Image, Parameters
 from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.numerics import Place
+from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Sphere
 
 _PREPARING_TEXT = tr("Preparing (takes longer the first time)…")
@@ -149,6 +150,12 @@ class Session(QObject):
     def document(self) -> Document:
         """The document of the scene."""
         return self.scene.document
+
+    @property
+    def deleted_objects(self) -> tuple[SegmentedObject, ...]:
+        """Objects that have been deleted while the run was shown, which it does not propose again."""
+        shown = self.scene.snapshot
+        return () if shown is None else self.history.find_deleted_objects(shown.timeline.run_generation)
 
     @property
     def selected_shape(self) -> int | None:
@@ -433,7 +440,7 @@ class Session(QObject):
         rested = change.place_before is not None and change.place_before.at_rest
         resumes = rested and place is None and not (back or change.erases)
         shown, goes_on = self._find_place(), change.erases and self.status.phase == "running"
-        with self.store.defer_status():
+        with self.store.draw_once():
             self._set_document(change.before if back else change.after, resumes=resumes)
         if place is not None:
             here = self.store.generation
@@ -450,7 +457,7 @@ class Session(QObject):
     def _push_and_show(self, change: Change) -> None:
         """Note a change for undo, and show the document after it."""
         self.history.push(change)
-        with self.store.defer_status():
+        with self.store.draw_once():
             self._set_document(change.after, complete=not change.gesture)
 
     def _find_place(self) -> TimelinePlace | None:
@@ -499,7 +506,7 @@ class Session(QObject):
             if sized is not None and sized is not image:
                 self.post_command(call_run(None, Run.change_pixel_size, sized, document))
             self.run_updater.update_run(before, document, complete, resumes)
-            self.store.scene_changed.emit()
+            self.store.announce_scene()
         self.document_changed.emit(document)
         self.store.announce_status()
 

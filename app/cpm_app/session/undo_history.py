@@ -72,6 +72,11 @@ class UndoHistory:
         return self._done[-1].name if self._done else ""
 
     @property
+    def undone_document(self) -> Document | None:
+        """The document that undo would restore; None if there is nothing to undo."""
+        return self._done[-1].before if self._done else None
+
+    @property
     def redo_name(self) -> str:
         """Name of the change that redo repeats, empty if there is none."""
         return self._undone[-1].name if self._undone else ""

@@ -73,21 +73,27 @@ def add_recorded_run(session: SessionFile, recorder: RunRecorder, name: str = "R
     return replace(session, runs=runs)
 
 
-def restore_shown_state(session: SessionFile, image: Image) -> tuple[State, Parameters] | None:
-    """Restore the state of a run that the window shows, with its parameters; None if it was not kept."""
+def restore_shown_state(session: SessionFile, image: Image) -> tuple[State, SessionFile, Parameters] | None:
+    """Restore the state of a run that the window shows; None if it was not kept.
+
+    The session is the one that the run began with, with the parameters of its step; the parameters are those with
+    which its contours are shown.
+    """
     runs = session.runs
     try:
         number, step = runs["here"]
         run, branch = next((run, one) for run in runs["runs"] for one in run["branches"] if one["identity"] == number)
         plain = next(one["state"] for one in runs["states"] if (one["branch"], one["step"]) == (number, step))
-        first = decode_session(json.dumps(run["document"]).encode(), "the beginning of a run").parameters
+        begun = decode_session(json.dumps(run["document"]).encode(), "the beginning of a run")
         begins = np.cumsum([branch["first"], *(count for _, count in branch["steps"])])
         numbers, _ = branch["steps"][np.searchsorted(begins, step, "right") - 1]
         action = run["actions"][numbers[0]]
-        parameters, _ = parameters_from_json({**to_json(first), **expect_mapping(action["step"], "action")})
+        parameters, _ = parameters_from_json({**to_json(begun.parameters), **expect_mapping(action["step"], "action")})
+        shown = parameters_from_json(runs["parameters"])[0] if "parameters" in runs else parameters
         charges = tuple(from_json(PlacedCharge, one, "charge") for one in action.get("charges", []))
         regions = regions_from_json(action, "regions")
-        state = state_from_json(plain, image.shape, first.scales, image.spacing)
+        state = state_from_json(plain, image.shape, begun.parameters.scales, image.spacing)
     except (KeyError, TypeError, ValueError, IndexError, OverflowError, StopIteration):
         return None
-    return replace(state, steering=parameters.steering, regions=regions, charges=sort_charges(charges)), parameters
+    state = replace(state, steering=parameters.steering, regions=regions, charges=sort_charges(charges))
+    return state, replace(begun, parameters=parameters), shown

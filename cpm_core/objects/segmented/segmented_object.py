@@ -215,7 +215,7 @@ class SegmentedObjects:
     edited : int
         Number of the object that the selection changes; 0 for a new one.
     rejected : tuple of SegmentedObject
-        Rejected objects, which are not proposed again.
+        Rejected objects, which are not proposed again, and whose numbers others may get.
     taken : int
         Numbers up to this one are reserved for objects on other pages.
     may_overlap : bool
@@ -241,10 +241,10 @@ class SegmentedObjects:
             raise ValueError(f"There are {len(self.classes)} classes of objects but there must be {CLASS_COUNT}.")
         if not 1 <= self.category <= CLASS_COUNT:
             raise ValueError(f"The class is {self.category} but must be from 1 to {CLASS_COUNT}.")
-        numbers = [item.number for item in (*self.items, *self.rejected)]
+        numbers = [item.number for item in self.items]
         if len(set(numbers)) < len(numbers):
             raise ValueError("Two objects have the same number; each needs one of its own.")
-        if self.edited and self.edited not in numbers[: len(self.items)]:
+        if self.edited and self.edited not in numbers:
             raise ValueError(f"The object being changed is number {self.edited}, but there is none with this number.")
 
     def __getitem__(self, number: int) -> SegmentedObject:
@@ -257,7 +257,7 @@ class SegmentedObjects:
     @property
     def next_number(self) -> int:
         """A number that no object has."""
-        return max(self.taken, *(item.number for item in (*self.items, *self.rejected)), 0) + 1
+        return max((self.taken, *(item.number for item in self.items))) + 1
 
     @property
     def barriers(self) -> tuple[Line | Region, ...]:

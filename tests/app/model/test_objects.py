@@ -78,13 +78,15 @@ def test_an_object_is_as_likely_everywhere_as_the_selection_that_it_was(confiden
     assert cell == format_confidence(selection)
 
 
-def test_rejected_objects_are_kept_with_numbers_of_their_own_until_they_are_accepted_or_deleted(document) -> None:
-    offered = objects.object_from_selection(selected((30.5, 36.5)), (HERE,), 7, 1)
+def test_rejected_objects_are_kept_and_leave_no_gap_in_the_numbers(document) -> None:
+    offered = objects.object_from_selection(selected((30.5, 36.5)), (HERE,), 3, 1)
     left = objects.reject_objects(document, (2,), (offered,))
-    assert (numbers(left), [item.number for item in left.objects.rejected]) == ([1], [2, 3])
-    again = objects.accept_objects(left, left.objects.rejected[:1])
-    assert (numbers(again), [item.number for item in again.objects.rejected]) == ([1, 2], [3])
-    assert objects.delete_objects(again, (3,)).objects.rejected == ()
+    assert numbers(left) == [1]
+    assert left.objects.rejected == (document.objects[2], offered)
+    again = accepted(accepted(left, FRAME, (HERE,)), FRAME, (THERE,))
+    assert numbers(again) == [1, 2, 3]
+    assert again.objects.rejected == left.objects.rejected
+    assert objects.delete_objects(again, (2, 3)).objects.rejected == left.objects.rejected
 
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:

@@ -16,6 +16,7 @@ from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolButton
 
+from cpm_core.formats.sessions.recorded_run import restore_shown_state
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 
@@ -194,6 +195,24 @@ def test_a_run_is_there_again_as_it_was_after_another_mode_has_been_chosen(ready
     assert ready.session.document.mode == "shape"
     assert ready.session.scene.reconstruction.result.provenance.parameters == found.parameters
     assert lines(ready) == contours
+
+
+def test_contours_selected_by_a_slider_at_rest_are_there_again_in_another_mode(ready, hand, tmp_path) -> None:
+    """So they are for `cpm export`, which shows what the window shows."""
+    run_to_the_end(ready, hand)
+    contours = lines(ready)
+    ready.session.edit("length", lambda document: edits.set_parameter(document, "min_length", 1e4))
+    hand.wait(lambda: lines(ready) != contours)
+    hand.wait(lambda: ready.session.idle)
+    assert not lines(ready)
+    hand.qtbot.mouseClick(ready.findChild(QToolButton, "mode_automatic"), Qt.MouseButton.LeftButton)
+    hand.wait(lambda: ready.session.idle)
+    path = saved(ready, hand, tmp_path / "a.cpm")
+    reopened(ready, hand, path)
+    assert ready.session.document.mode == "automatic"
+    assert not lines(ready)
+    state, begun, shown = restore_shown_state(load_session(path), ready.session.image)
+    assert (state.step, begun.mode, shown.min_length) == (ready.session.status.step, "shape", 1e4)
 
 
 def test_a_skeleton_is_there_again(ready, hand, tmp_path) -> None:

@@ -152,7 +152,7 @@ def add_objects(document: Document, imported: Sequence[SegmentedObject], classes
 
     They keep their numbers if none of these is in use.
     """
-    taken = {item.number for item in (*document.objects.items, *document.objects.rejected)}
+    taken = {item.number for item in document.objects.items}
     first = document.objects.next_number - 1 if taken.intersection(item.number for item in imported) else 0
     for index, item in enumerate(imported):
         objects, name = document.objects, classes[index] if classes else ""

@@ -71,11 +71,11 @@ _KEPT_PROPERTIES = ("name", "color", "category", "frozen", "hidden", "opacity")
 def accept_objects(document: Document, accepted: Iterable[SegmentedObject], *, ends: bool = False) -> Document:
     """Add objects, or replace the boundaries of existing ones with the same numbers.
 
-    New objects get the next numbers; rejected ones, and those of other pages, keep theirs. The selection in progress
-    is cleared if it `ends`.
+    New objects get the next numbers; those of other pages keep theirs. The selection in progress is cleared if it
+    `ends`.
     """
     objects = document.objects
-    known, rejected = {item.number: item for item in objects.items}, {item.number for item in objects.rejected}
+    known = {item.number: item for item in objects.items}
     items = dict(known)
     for one in accepted:
         old = known.get(one.number)
@@ -85,22 +85,18 @@ def accept_objects(document: Document, accepted: Iterable[SegmentedObject], *, e
                 kept["clicks"] = ()  # clicks on what has been painted in a volume do not explain it
             items[old.number] = replace(one, **kept)
         else:
-            own = one.number in rejected or one.number <= objects.taken
-            number = one.number if own else max((*items, *rejected, objects.taken)) + 1
+            number = one.number if one.number <= objects.taken else max((*items, objects.taken)) + 1
             items[number] = replace(one, number=number)
-    left = tuple(item for item in objects.rejected if item.number not in items)
     over = {"clicks": (), "edited": 0} if ends else {}
-    return _replace_objects(document, items=tuple(items.values()), rejected=left, **over)
+    return _replace_objects(document, items=tuple(items.values()), **over)
 
 
 def reject_objects(document: Document, numbers: Iterable[int], offered: Iterable[SegmentedObject]) -> Document:
     """Reject objects, and proposals in `offered`, none of which will be proposed again."""
     gone = frozenset(numbers)
-    removed = [item for item in document.objects.items if item.number in gone]
-    fresh = enumerate(offered, start=document.objects.next_number)
-    left = delete_objects(document, gone)
-    kept = (*left.objects.rejected, *removed, *(replace(one, number=number) for number, one in fresh))
-    return _replace_objects(left, rejected=kept)
+    removed = (item for item in document.objects.items if item.number in gone)
+    kept = (*document.objects.rejected, *removed, *offered)
+    return _replace_objects(delete_objects(document, gone), rejected=kept)
 
 
 def add_selections(document: Document, selections: Iterable[Selection], category: int) -> Document:
@@ -190,13 +186,11 @@ def object_from_selection(selection: Selection, clicks: Clicks, number: int, cat
 
 
 def delete_objects(document: Document, numbers: Iterable[int]) -> Document:
-    """Delete objects, rejected ones among them."""
+    """Delete objects."""
     gone, objects = frozenset(numbers), document.objects
-    left, rejected = (
-        tuple(item for item in items if item.number not in gone) for items in (objects.items, objects.rejected)
-    )
+    left = tuple(item for item in objects.items if item.number not in gone)
     over = {"clicks": (), "edited": 0} if objects.edited in gone else {}
-    return _replace_objects(document, items=left, rejected=rejected, **over)
+    return _replace_objects(document, items=left, **over)
 
 
 def rename_objects(document: Document, numbers: Iterable[int], name: str) -> Document:

@@ -42,7 +42,8 @@ class FollowedObjects(QObject):
     def __init__(self, session: Session, pages: StackPages) -> None:
         super().__init__(session)
         self._session, self._pages = session, pages
-        self._image: Image | None = None
+        self._seen: tuple[Image | None, bool] = None, False
+        """The open image, and whether pages are followed."""
         self._search: ObjectSearch | None = None
         self._task = ENDED_TASK
         pages.changed.connect(self._on_page_changed)
@@ -50,7 +51,7 @@ class FollowedObjects(QObject):
     @property
     def search(self) -> ObjectSearch | None:
         """The search for objects to offer, such as those of the previous page; None if there are none."""
-        return self._search if self._image is self._session.image else None
+        return self._search if self._seen[0] is self._session.image else None
 
     @property
     def running(self) -> bool:
@@ -104,10 +105,10 @@ class FollowedObjects(QObject):
 
     def _on_page_changed(self) -> None:
         """Offer the followed objects on an opened page that has no objects yet."""
-        session, number = self._session, self._pages.number
-        if self._image is not session.image:
-            self._image = session.image
-            previous = self._find_previous_pages(number) if self._pages.has_images else ()
+        session, number, seen = self._session, self._pages.number, (self._session.image, self._pages.following)
+        if seen != self._seen:
+            self._seen = seen
+            previous = self._find_previous_pages(number) if self._pages.has_images and self._pages.following else ()
             source, largest = self._pages.source, self._pages.largest_number
 
             def find_proposals(partition: Partition, task: BackgroundTask) -> tuple[Proposal, ...]:

@@ -64,9 +64,9 @@ class ObjectCommands(QObject):
         """
         offered, rows = self._list.pending_rows, self._list.rows_to_accept
         result, indices = self._session.scene.result, self._contour_selection.selected_indices
-        copied = [] if result is None or self._list.objects.clicks else objects.copy_contours_to_objects(
-            self._list.objects, result, indices
-        )  # fmt: skip
+        copied = []
+        if result is not None and indices and not self._list.objects.clicks:
+            copied = objects.copy_contours_to_objects(self._list.objects, result, indices)
         if not rows and not copied:
             nothing = tr("There is nothing to accept: click in an object first.")
             words = describe_doubtful(len(offered)) if offered else nothing
@@ -262,7 +262,7 @@ class ObjectCommands(QObject):
             numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
             return edit_accepted(document, numbers)
 
-        with self._session.store.defer_status():
+        with self._session.store.draw_once():
             self._edit_rows(undo_text, rows, accept_and_edit, len(copied))
             if given:
                 self._list.select_objects(item.number for item in self._list.objects.items if item.number in numbers)

@@ -176,8 +176,9 @@ class ObjectList(QObject):
         """Rows that can be accepted: the object being selected, else the selected proposals, else all if nothing is."""
         if self.objects.clicks:
             return [row for row in self.rows if row.key == DRAFT_KEY]
-        selected = [row for row in self.selected_rows if row.kind != "object"]
-        return selected or [row for row in self.rows if row.kind == "proposal" and not self.selected_keys]
+        if self.selected_keys:
+            return [row for row in self.selected_rows if row.kind != "object"]
+        return [row for row in self.rows if row.kind == "proposal"]
 
     @property
     def rows_to_accept(self) -> list[ObjectRow]:

@@ -13,7 +13,6 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.document import objects
-from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
@@ -37,6 +36,7 @@ from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.segmented import Click, selection_from_object, unite_regions
 from cpm_core.objects.segmented.segmented_object import Clicks
+from cpm_core.results import is_likely
 
 _SAME_OBJECT_COVERAGE = 0.5
 """Share of an object covered by others from which it counts as one of them."""
@@ -279,10 +279,18 @@ class ObjectSelection(QObject):
             if not found:
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
+            before = {item.number for item in self._session.document.objects.items}
             self._session.edit(
                 tr("all like this"), lambda document: objects.add_selections(document, found, example.category)
             )
-            self._session.messages.show(tr("{count} objects like this one were found.", count=len(found)))
+            new = (item.number for item in self._session.document.objects.items if item.number not in before)
+            made = (each for each in found if each.has_boundary)
+            doubtful = [number for number, each in zip(new, made, strict=True) if not is_likely(each)]
+            words = tr("Objects like this one: {count}.", count=len(found))
+            if doubtful:
+                self._list.select_objects(doubtful)
+                words += " " + tr("The doubtful ones are selected: {count}. Delete removes them.", count=len(doubtful))
+            self._session.messages.show(words)
 
         self._session.tasks.start_task(
             tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found
@@ -291,15 +299,7 @@ class ObjectSelection(QObject):
     # Internal
 
     def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:
-        followed = [
-            each.proposed_object for each in self.proposals if each.key and each.number and each.number == number
-        ]
-
-        def accept_and_select(document: Document) -> Document:
-            """Accept an object of the previous page as it is, so that it can be changed like any other."""
-            return objects.set_selection_clicks(objects.accept_objects(document, followed), clicks, number)
-
-        self._session.edit(undo_text, accept_and_select)
+        self._session.edit(undo_text, lambda document: objects.set_selection_clicks(document, clicks, number))
 
     def _number_to_correct(self, click: Click) -> int:
         """Return the number or key of the object or proposal that a click corrects; 0 if it begins a new object.
@@ -322,13 +322,13 @@ class ObjectSelection(QObject):
         return ((), 0) if found_nothing else self._clicks_before(self._number_to_correct(click))
 
     def _clicks_before(self, number: int) -> tuple[Clicks, int]:
-        """Return the clicks being made, or else those of an object or proposal, and the number of the object."""
+        """Return the clicks being made, or else those of an object or proposal, and the number of an object."""
         document = self._session.document
         if self.selecting or not number:
             return document.objects.clicks, document.objects.edited
         if number > 0 and document.image is not None:
             return objects.initial_clicks(document.objects[number], document.image.shape), number
-        return next(((each.clicks, each.number) for each in self.proposals if each.key == number), ((), 0))
+        return next((each.clicks for each in self.proposals if each.key == number), ()), 0
 
     @property
     def _offers_run(self) -> bool:
@@ -380,9 +380,7 @@ class ObjectSelection(QObject):
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
         known, found = self._session.document.objects, self._find_offered(partition)
-        rejected, shown = known.rejected, self._session.scene.snapshot
-        if shown is not None:  # what the user has deleted is not proposed again by the same run
-            rejected += self._session.history.find_deleted_objects(shown.timeline.run_generation)
+        rejected = known.rejected + self._session.deleted_objects
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
             source = self.partition_updater.source

@@ -42,8 +42,11 @@ def describe_lack(workspace: Workspace) -> str:
         sentence = tr("The objects of the run are still being found.")
     elif shown is not None and shown.stop_reason:
         sentence = tr("No object is offered: click one ({key:objects}).")
-        if session.document.objects.rejected and selection.selector is not None and selection.selector.offered:
-            sentence = tr("All proposals are rejected: undo that ({key:undo}), or click one again ({key:objects}).")
+        rejected, before = session.document.objects.rejected, session.history.undone_document
+        if rejected and selection.selector is not None and selection.selector.offered:
+            sentence = tr("All proposals are rejected: click one again ({key:objects}).")
+            if before is not None and before.objects.rejected != rejected:
+                sentence = tr("All proposals are rejected: undo that ({key:undo}), or click one again ({key:objects}).")
     return insert_keys(sentence)
 
 
@@ -56,18 +59,18 @@ def _describe_proposals(workspace: Workspace, offered: Sequence[ObjectRow]) -> s
     doubtful = len(offered) - len(accepted)
     one = len(accepted) == 1
     if listed.selected_keys:
-        sentence = tr("{chosen} of {count} objects are selected. Enter accepts them · {key:reject}: reject them")
+        sentence = tr("{chosen} of {count} proposals are selected. Enter accepts them · {key:reject}: reject them")
         if one:
-            sentence = tr("1 of {count} objects is selected{likely}. Enter accepts it · {key:reject}: reject it")
+            sentence = tr("1 of {count} proposals is selected{likely}. Enter accepts it · {key:reject}: reject it")
     elif doubtful:
         sentence = tr(
-            "{count} objects found, {doubtful} doubtful. Enter accepts {chosen} · {key:objects}, click: select · "
+            "{count} proposals, {doubtful} doubtful. Enter accepts {chosen} · {key:objects}, click: select · "
             "{key:reject}: reject all"
         )
     elif one:
-        sentence = tr("1 object found{likely}. Enter accepts it · {key:objects}, click: correct · {key:reject}: reject")
+        sentence = tr("1 proposal{likely}. Enter accepts it · {key:objects}, click: correct · {key:reject}: reject")
     else:
-        sentence = tr("{count} objects found. Enter accepts all · {key:objects}, click: select · {key:reject}: reject")
+        sentence = tr("{count} proposals. Enter accepts all · {key:objects}, click: select · {key:reject}: reject")
     proposals = {each.key: each.selection for each in workspace.object_selection.proposals}
     first = proposals[accepted[0].key[1]]
     likely, remark = format_confidence(first), translate_core_text(first.remark) if one else ""

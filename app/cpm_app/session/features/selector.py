@@ -143,6 +143,11 @@ class PartitionUpdater(QObject):
                     self._on_failure,
                 )
 
+    def find_prepared(self, source: PartitionSource) -> AnyPartition | None:
+        """Find the partition that has been made from a source with its contours; None if it is not known."""
+        known = self._everywhere if isinstance(source, EverywhereRun) else (self.source, self.partition)
+        return known[1] if known is not None and known[0] == source else None
+
     def set_model(self, model: str, ndim: int) -> None:
         """Set the larger model that answers in images (2), or the server in volumes (3); empty for the network."""
         if model != self._models[ndim]:
@@ -341,9 +346,13 @@ class Selector:
         """Return the object that clicks select, and then what is offered elsewhere."""
         selection, offered = self.selection_for(clicks), self.proposals
         if selection is not None:
-            rest = (each for each in offered if each.clicks != clicks[: len(each.clicks)])
+            corrected = next((each for each in offered if _corrects(clicks, each)), None)
+            rest = (each for each in offered if each is not corrected)
             elsewhere = (each for each in rest if not selection.contains(np.array(each.clicks[0].places[:1]))[0])
-            offered = (Proposal(selection, clicks, self.edited), *elsewhere)
+            drafted = Proposal(selection, clicks, self.edited)
+            if corrected is not None and not self.edited:
+                drafted = replace(corrected, selection=selection, clicks=clicks, key=0)
+            offered = (drafted, *elsewhere)
         for each in offered:
             if each.selection.has_boundary:
                 _ = each.proposed_object  # cached on this thread, not on the window's
@@ -421,6 +430,12 @@ class Selector:
             for each in self._found
             if each.clicks in new and not any(frozenset(each.clicks) < clicks for clicks in joined)
         )
+
+
+def _corrects(clicks: Clicks, proposal: Proposal) -> bool:
+    """Tell whether clicks begin with those of a proposal, perhaps at another candidate."""
+    first = [replace(each, step=0) for each in clicks[: len(proposal.clicks)]]
+    return first == [replace(each, step=0) for each in proposal.clicks]
 
 
 def find_proposals(result: Result, continues: bool, page: Page | None, task: BackgroundTask) -> tuple[Proposal, ...]:

@@ -14,18 +14,19 @@ from cpm_app.model.document.objects import object_from_selection
 from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import CommandFailed
-from cpm_app.session.features.selector import parameters_everywhere
+from cpm_app.session.features.selector import AnyPartition, EverywhereRun, PartitionUpdater, parameters_everywhere
 from cpm_app.session.scene import Proposal
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EXPORTING_CATEGORY
 from cpm_app.session.tasks.tasks import BackgroundTask
-from cpm_core import Image, Selection, partition, run
+from cpm_core import Image, Result, Selection, partition, run
 from cpm_core.formats import SessionFile
 from cpm_core.formats.sessions.session_code import (
     SessionCode,
     write_saved_objects_command,
     write_saved_objects_script,
 )
+from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, select_by_clicks
 from cpm_core.results import FoundObjects
 from cpm_core.shapes import Barrier, Everywhere, PolygonRegion, select_starts
@@ -34,15 +35,53 @@ CodeLanguage = Literal["python", "command"]
 """What a session is written as."""
 
 
+@record
+class KnownRuns:
+    """Runs that need not be repeated, since the window shows what they give.
+
+    Attributes
+    ----------
+    result : Result or None
+        What a run from the starts of the document gives.
+    partition : Partition or VolumePartition or None
+        The partition made from that.
+    everywhere : Partition or VolumePartition or None
+        The partition of a run from everywhere, for clicks without a run.
+    """
+
+    result: Result | None
+    partition: AnyPartition | None
+    everywhere: AnyPartition | None
+
+    @classmethod
+    def of_window(cls, session: Session, updater: PartitionUpdater) -> KnownRuns:
+        """Take what is known of a session: of its run only if it has ended, and nothing has interfered with it."""
+        status, scene, document, found = session.status, session.scene, session.document, session.scene.result
+        changed = status.stale or scene.timeline.steered or scene.timeline.parameters != document.parameters
+        if changed or status.phase != "finished":
+            found = None
+        clicked = None
+        if scene.image is not None and not document.has_volume:
+            inputs = EverywhereRun(scene.image, parameters_everywhere(document), document.regions)
+            clicked = updater.find_prepared(inputs)
+        return cls(found, updater.find_prepared(found) if found else None, clicked)
+
+
 def write_session_code(
-    session: Session, language: CodeLanguage, saved: Path | None, on_written: Callable[[str], object]
+    session: Session,
+    updater: PartitionUpdater,
+    language: CodeLanguage,
+    saved: Path | None,
+    on_written: Callable[[str], object],
 ) -> None:
     """Write the present session as a script or a command, which is passed on, or explain why it cannot be written.
 
-    Objects of the session are found again, on a thread, so that what is written gives the same ones. Where it would
-    not, as for objects that were drawn by hand, it takes those of the `saved` session, if there is one.
+    Objects of the session are found again, on a thread, so that what is written gives the same ones; a run that the
+    window shows is not repeated. Where it would not give them, as for objects that were drawn by hand, it takes those
+    of the `saved` session, if there is one.
     """
     document, image, offered = session.document, session.image, session.scene.objects.proposals
+    known = KnownRuns.of_window(session, updater)
     session.messages.clear(EXPORTING_CATEGORY)
     if image is None:
         return
@@ -51,7 +90,7 @@ def write_session_code(
         return
 
     def write(task: BackgroundTask) -> str:
-        code = _find_code(document, image, offered, "" if saved is None else str(saved), task)
+        code = _find_code(document, image, offered, "" if saved is None else str(saved), known, task)
         text = "" if code is None else code.write_script() if language == "python" else code.write_command()
         if text:
             return text
@@ -72,7 +111,12 @@ def write_session_code(
 
 
 def _find_code(
-    document: Document, image: Image, offered: Sequence[Proposal], saved: str, task: BackgroundTask
+    document: Document,
+    image: Image,
+    offered: Sequence[Proposal],
+    saved: str,
+    known: KnownRuns,
+    task: BackgroundTask,
 ) -> SessionCode | None:
     """Find the run and the clicks that give the objects of a document; None if none that is tried gives them."""
     objects = document.objects
@@ -84,10 +128,12 @@ def _find_code(
         items = [each.proposed_object for each in offered]
         if not items:
             return None
+    if any(not item.clicks for item in items):
+        return None  # drawn by hand
     for session, file, of_run in _list_runs(document, saved):
         if not items:
             return SessionCode(session, file=file)
-        code = _match_objects(session, image, items, of_run, task)
+        code = _match_objects(session, image, items, of_run, known, task)
         if code is not None:
             return replace(code, file=file)
     return None
@@ -110,15 +156,22 @@ def _list_runs(document: Document, saved: str) -> Iterator[tuple[SessionFile, st
 
 
 def _match_objects(
-    session: SessionFile, image: Image, items: Sequence[SegmentedObject], of_run: bool, task: BackgroundTask
+    session: SessionFile,
+    image: Image,
+    items: Sequence[SegmentedObject],
+    of_run: bool,
+    known: KnownRuns,
+    task: BackgroundTask,
 ) -> SessionCode | None:
     """Match objects with what a run proposes, and with what their clicks select; None unless all are found again."""
     proposed: FoundObjects = ()
-    if select_starts(session.shapes):
+    result, source = (known.result, known.partition) if of_run else (None, known.everywhere)
+    if source is None and result is None and select_starts(session.shapes):
         result = run(image, session, progress=lambda _: task.check_cancelled())
-        proposed, source = result.objects if of_run else (), partition(result)
-    else:
-        source = partition(image)
+    if source is None:
+        source = partition(image if result is None else result)
+    if of_run and result is not None:
+        proposed = result.objects
     places = [next((at for at, one in enumerate(proposed) if _is_same(one, item)), None) for item in items]
     picked = tuple(at for at in places if at is not None)
     if len(picked) == len(items):

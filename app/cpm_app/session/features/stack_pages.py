@@ -55,14 +55,17 @@ class StackPages(QObject):
     """Navigates the pages of a stack, runs all of them, and holds the results of each."""
 
     changed = Signal()
-    """Another page is open, or runs of pages have begun; `TaskManager.changed` tells when they end."""
+    """Another page is open, runs of pages have begun, whose end `TaskManager.changed` tells, or `following` differs."""
     results_changed = Signal()
     """The results of all pages have changed: `result`."""
 
     def __init__(self, session: Session, contour_selection: ContourSelection) -> None:
         super().__init__(session)
         self.following = True
-        """Whether each page starts from the contours of the previous one."""
+        """Whether each page starts from the contours of the previous one, and is offered its objects.
+
+        At first it is, except for channels, which show the same place in other ways.
+        """
         self._session = session
         self._file: DocumentFile
         self.source = StackSource()
@@ -164,23 +167,33 @@ class StackPages(QObject):
 
     @property
     def offers_objects(self) -> bool:
-        """Whether a page offers objects of which none has been accepted or rejected yet."""
-        known = ((number, document.objects) for number, document in self.documents.items())
-        done = {number for number, objects in known if objects.items or objects.rejected}
-        return any(page.contours and number not in done for number, page in self._proposed.items())
+        """Whether a page offers objects that are not all rejected, and none of which has been accepted yet."""
+        documents = self.documents
+
+        def offers(number: int, page: Page) -> bool:
+            known = documents[number].objects if number in documents else SegmentedObjects()
+            left = {one.number for one in page.contours} - {item.number for item in known.rejected}
+            return bool(left) and not known.items
+
+        return any(offers(*each) for each in self._proposed.items())
 
     @property
     def found_objects(self) -> str:
         """Sentence on the objects that runs of all pages propose; empty before there are any."""
         pages = [page for page in self._proposed.values() if page.result is not None]
         count = len({one.number for page in pages for one in page.contours})
-        found = tr("{pages} of {all} pages were run. Objects on them, each counted once: {count}.",
+        found = tr("{pages} of {all} pages were run. Proposals on them, each counted once: {count}.",
                    pages=len(pages), all=self.count, count=count)  # fmt: skip
         return found if self._proposed else ""
 
     def go_by(self, by: int) -> None:
         """Go some pages forward or backward, also past a page that could not be opened."""
         self.open_page(min(max(self.wanted_page + by, 1), self.count))
+
+    def toggle_following(self) -> None:
+        """Follow from page to page from now on, or no longer."""
+        self.following = not self.following
+        self.changed.emit()
 
     def open_page(self, number: int) -> None:
         """Go to a page, once the runs of the open page have been collected."""
@@ -419,7 +432,8 @@ class StackPages(QObject):
         self.cancel()
         in_volume = opened.image.ndim == 3
         source = self.source = StackSource.from_file(str(opened.path), opened.parts, opened.reading, in_volume)
-        self.number = self.wanted_page = source.page_number(opened.reading)
+        self.number, self.following = source.page_number(opened.reading), source.kind != "channel"
+        self.wanted_page = self.number
         self._kept, self._found_pages, self._proposed, self._given_starts = {}, {}, {}, ()
         self.table, self._linked, self._last_result, self._drawn = EMPTY_TABLE, {}, None, ()
         self._measured = IdentityCache()

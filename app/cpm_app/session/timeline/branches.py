@@ -10,6 +10,7 @@ from itertools import takewhile
 
 from cpm_app.model.document.document import Document
 from cpm_app.session.timeline.timeline_nodes import BranchMetrics, BranchStep, TimelineNode
+from cpm_core import Parameters
 from cpm_core.numerics.types import frozen, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Points, Start
@@ -123,10 +124,14 @@ class StoredRun:
 
 @record
 class StoredRuns:
-    """All runs, the oldest first, the shown branch and step, and states that need not be recomputed."""
+    """All runs, the oldest first, the shown branch and step, and states that need not be recomputed.
+
+    `parameters` are those with which contours of the shown state are made, which may have changed since its step.
+    """
 
     runs: tuple[StoredRun, ...] = ()
     shown_step: BranchStep | None = None
+    parameters: Parameters | None = None
     states: Mapping[BranchStep, MethodState] = field(default_factory=dict)
 
 

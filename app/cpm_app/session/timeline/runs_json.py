@@ -86,7 +86,8 @@ def runs_to_json(stored: StoredRuns) -> JsonObject:
         else:
             remaining -= size
     here = None if stored.shown_step is None else list(stored.shown_step)
-    return {"here": here, "runs": runs, "states": states}
+    shown = {} if stored.parameters is None else {"parameters": to_json(stored.parameters)}
+    return {"here": here, **shown, "runs": runs, "states": states}
 
 
 @lru_cache(2 * MAX_TIMELINE_RUNS)
@@ -120,9 +121,10 @@ def _read_runs(plain: JsonObject, image: ImageReference) -> StoredRuns:
     )
     here = plain.get("here")
     if here is None:
-        return StoredRuns(tuple(runs), None, states)
+        return StoredRuns(tuple(runs), states=states)
     branch, step = (int(expect_number(one, "here")) for one in here)
-    return StoredRuns(tuple(runs), (places[branch][1].identity, step), states)
+    shown = parameters_from_json(plain["parameters"])[0] if "parameters" in plain else None
+    return StoredRuns(tuple(runs), (places[branch][1].identity, step), shown, states)
 
 
 def _run_to_json(run: StoredRun) -> JsonDict:

@@ -309,7 +309,9 @@ class Timeline:
 
     # Stored runs
 
-    def to_stored_runs(self, sources: Mapping[int, Counter[Hashable]]) -> StoredRuns:
+    def to_stored_runs(
+        self, sources: Mapping[int, Counter[Hashable]], parameters: Parameters | None = None
+    ) -> StoredRuns:
         """Return all runs for a session; `sources` are the sources of the particles of each, by its generation."""
         runs = tuple(
             StoredRun(
@@ -323,7 +325,8 @@ class Timeline:
         if self.current_step is not None:
             steps.add(self.current_step)
         kept = {at: self._states.get(self._branches_by_number[at[0]].node_at(at[1])) for at in steps if at[1]}
-        return StoredRuns(runs, self.current_step, {at: state for at, state in kept.items() if state is not None})
+        states = {at: state for at, state in kept.items() if state is not None}
+        return StoredRuns(runs, self.current_step, parameters, states)
 
     def restore_runs(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> None:
         """Take over the runs of a session; raise ValueError if one cannot begin.

@@ -268,7 +268,7 @@ def collect_runs(
         return collected
 
     def encode_runs(context: CommandContext) -> None:
-        plain = runs_to_json(context.run.timeline.to_stored_runs(sources))
+        plain = runs_to_json(context.run.timeline.to_stored_runs(sources, context.run.parameters))
         context.report(hand_over(RunsCollected(generation, context.run.timeline.edition, plain)))
 
     return WorkerCommand(
@@ -322,7 +322,7 @@ def restore_runs(generation: int, plain: JsonObject, image: ImageReference, mode
             shown, first = next(one for one in lines if one[0].identity == here[0])
             taken = shown.node_at(here[1]).nodes_of_step[0].action
             if first != mode and isinstance(taken, StepAction):
-                run.set_parameters(taken.parameters)
+                run.set_parameters(stored.parameters or taken.parameters)
             run.go_to(*here)
             run.halt()
 

@@ -43,7 +43,7 @@ class ParticleFlow(QObject):
         self._arrived, self._pause = 0.0, inf
         self._timer = QTimer(self, interval=_FLOW_INTERVAL)
         self._timer.timeout.connect(self._update_scene)
-        session.store.scene_changed.connect(self._on_scene_changed)
+        session.store.drawing_wanted.connect(self._on_scene_changed)
 
     def _on_scene_changed(self) -> None:
         before, self._newest = self._newest, self._session.scene.snapshot

@@ -64,9 +64,7 @@ class Legend(QWidget):
         entries = tuple(entry for entry in self._read_entries() if entry.count)
         if entries != self.entries:
             self.entries = entries
-            self._label.setToolTip(
-                "<br>".join(f"{localize_number(f'{entry.count:,}')} {entry.text}: {entry.tip}" for entry in entries)
-            )
+            self._label.setToolTip("<br>".join(f"{_format_count(entry)}. {entry.tip}" for entry in entries))
             self.setVisible(bool(entries))
             self.width_changed.emit()
 
@@ -89,10 +87,14 @@ class Legend(QWidget):
         return "&nbsp; ".join(
             f"<span style='color:{get_canvas_style().resolve_color(entry.color)}; "
             f"background-color:{theme.CANVAS_COLOR}'>"
-            f"&nbsp;{_SIGN_CHARACTERS[entry.sign]}&nbsp;</span>&nbsp;{localize_number(f'{entry.count:,}')}"
-            + ("" if short else f"&nbsp;{entry.text.replace(' ', '&nbsp;')}")
+            f"&nbsp;{_SIGN_CHARACTERS[entry.sign]}&nbsp;</span>&nbsp;"
+            + (localize_number(f"{entry.count:,}") if short else _format_count(entry).replace(" ", "&nbsp;"))
             for entry in self.entries
         )
+
+
+def _format_count(entry: LegendEntry) -> str:
+    return f"{entry.text}: {localize_number(f'{entry.count:,}')}"
 
 
 class CanvasStrip(QFrame):

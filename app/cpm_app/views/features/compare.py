@@ -59,7 +59,7 @@ class CompareFeature(Feature):
         compared.selection_changed.connect(self._show_divider)
         compared.changed.connect(window.refresh_actions)
         compared.changed.connect(self._show_tab_of_truth)
-        self.session.store.scene_changed.connect(self._draw_right_side)
+        self.session.store.drawing_wanted.connect(self._draw_right_side)
         self.actions = (
             ActionSpec("compare", "Run", "Com&pare…",
                        "Compare what is shown with other runs or a ground truth.",

@@ -181,7 +181,8 @@ class ClipboardFeature(Feature):
     def _copy_code(self, language: CodeLanguage) -> None:
         file = self.window.document_file
         saved = file.path if file.saved_document == self.session.document else None
-        write_session_code(self.session, language, saved, self._put_code_on_clipboard)
+        updater = self.window.workspace.object_selection.partition_updater
+        write_session_code(self.session, updater, language, saved, self._put_code_on_clipboard)
 
     def _put_code_on_clipboard(self, text: str) -> None:
         QApplication.clipboard().setText(text)

@@ -205,9 +205,6 @@ class PagesFeature(Feature):
             document = situation.document
             return document.mode != "skeleton" and bool(document.starts or document.objects.items)
 
-        def set_following() -> None:
-            pages.following = not pages.following
-
         def toggle_run() -> None:
             if pages.running:
                 pages.cancel()
@@ -228,8 +225,9 @@ class PagesFeature(Feature):
                        lambda: pages.run_all(pages.number), visible_when=is_stack,
                        when=lambda now: not pages.running and can_run(now) and bool(now.document.starts)),
             ActionSpec("follow_pages", "Run", "&Follow from page to page",
-                       "Start each page from the contours of the previous one instead of from the same drawing.",
-                       set_following, short=tr("Follow"), visible_when=is_stack,
+                       "Start each page from the contours of the previous one instead of from the same drawing, and "
+                       "offer the accepted objects of the previous page on it.",
+                       pages.toggle_following, short=tr("Follow"), visible_when=is_stack,
                        checked_when=lambda _: pages.following),
             ActionSpec("follow_objects", "Objects", "Follow on all &pages",
                        "Find the accepted objects again on all pages after this one, in the background; pages with "

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Curves
-from cpm_app.views.layers.layer import Layer, LegendEntry, Sign
+from cpm_app.views.layers.layer import Layer, LegendEntry
 from cpm_app.views.theme import theme
 from cpm_core import Truth
 
@@ -17,12 +17,6 @@ _SHORT_FRACTION = 0.06
 
 _SHORT_OPACITY = 0.6
 """Opacity of short open contours, so that noise and texture recede behind outlines."""
-
-_CONTOUR_KINDS: tuple[tuple[str, str, Sign], ...] = (
-    (tr("found"), tr("Lines that particles have found, closed and open ones; short open ones are pale."), "line"),
-    (tr("bridged"), tr("Gaps in edges that contours bridge."), "dashed"),
-)
-"""Text, tip and sign of each kind of contour in the legend."""
 
 
 class ContourLayer(Layer):
@@ -54,11 +48,15 @@ class ContourLayer(Layer):
         return closed, len(self.scene.contours) - closed
 
     def legend_entries(self) -> Sequence[LegendEntry]:
-        """Return an entry for each kind of contour."""
-        counts = len(self.scene.contours), self.bridges.count
+        """Return the entries of the contours, in a slice of the sections of the surface, and of gaps."""
+        text, tip = tr("sections"), tr("What this slice shows of the surface that particles have found.")
+        if self.scene.whole is None:
+            text = tr("contours")
+            tip = tr("Lines that particles have found, closed and open ones; short open ones are pale.")
+        gaps = tr("Gaps in edges that contours bridge.")
         return [
-            LegendEntry(count, text, tip, theme.CONTOUR_COLOR, sign)
-            for count, (text, tip, sign) in zip(counts, _CONTOUR_KINDS, strict=True)
+            LegendEntry(len(self.scene.contours), text, tip, theme.CONTOUR_COLOR),
+            LegendEntry(self.bridges.count, tr("bridged"), gaps, theme.CONTOUR_COLOR, "dashed"),
         ]
 
     def apply_opacity(self) -> None:

@@ -65,7 +65,7 @@ class LegendEntry:
     count : int
         Number of items.
     text : str
-        Noun that follows the number.
+        What is counted, before the number.
     tip : str
         Sentence on their meaning.
     color : str

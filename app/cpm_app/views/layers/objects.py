@@ -86,10 +86,10 @@ class ObjectLayer(Layer):
         color = objects.color_of(objects.items[0]) if objects.items else theme.PROPOSAL_COLOR
         return (
             LegendEntry(
-                len(objects.items), tr("accepted"), tr("Objects, in the colors of their classes."), color, "area"
+                len(objects.items), tr("objects"), tr("Objects, in the colors of their classes."), color, "area"
             ),
             LegendEntry(
-                len(offered), tr("proposed"), tr("Objects that can be accepted."), theme.PROPOSAL_COLOR, "dashed"
+                len(offered), tr("proposals"), tr("Objects that can be accepted."), theme.PROPOSAL_COLOR, "dashed"
             ),
         )
 

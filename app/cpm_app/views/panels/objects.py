@@ -315,7 +315,7 @@ class ObjectPanel(QWidget):
         self.show_selected()
 
     def show_selected(self) -> None:
-        """Show the selected row, or else the only proposal, the classes, and the number of rows."""
+        """Show the selected row, or else the only one to accept, the classes, and the number of rows."""
         if not self.isVisible():
             return
         row = self._shown_row
@@ -365,6 +365,7 @@ class ObjectPanel(QWidget):
 
     @property
     def _shown_row(self) -> ObjectRow | None:
-        """Selected row, or else the only proposal; None for several."""
-        rows = self._object_list.selected_rows or [row for row in self._object_list.rows if row.kind == "proposal"]
-        return rows[0] if len(rows) == 1 else None
+        """Selected row, or else the only one that Enter would accept of all that are offered; None for several."""
+        listed = self._object_list
+        rows = [*listed.selected_rows] or listed.pending_rows
+        return rows[0] if len(rows) == 1 and (listed.selected_rows or rows == listed.rows_to_accept) else None

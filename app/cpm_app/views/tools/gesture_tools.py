@@ -124,8 +124,9 @@ class PointTool(ShapeTool):
         self._session.select_shape(None)
 
     def on_drag(self, at: Position) -> None:
-        """Move the point to the pointer."""
-        self._put_shape(tr("place point"), Points((at,)))
+        """Move the point to the pointer, as long as that is in the image."""
+        if self.is_in_image(at):
+            self._put_shape(tr("place point"), Points((at,)))
 
 
 class ChargeTool(ShapeTool):

@@ -16,6 +16,7 @@ class RulerTool(DraggedTool):
 
     name = "ruler"
     menu_text = tr("R&uler")
+    panel = "measures"
     shortcut = "V"
     tip = tr("Drag from one point to another to measure their distance.")
     keyboard_tip = tr("Enter begins at one end, arrow keys move the other, Enter ends.")
@@ -35,6 +36,7 @@ class AngleTool(PathTool):
 
     name = "angle"
     menu_text = tr("A&ngle")
+    panel = "measures"
     shortcut = "Shift+V"
     tip = tr("Click three points to measure the angle at the second, or drag its first side.")
     keyboard_tip = tr("Enter places a point.")
@@ -73,6 +75,7 @@ class OvalTool(DraggedTool):
 
     name = "oval"
     menu_text = tr("&Measuring ellipse")
+    panel = "measures"
     short = tr("Mean")
     shortcut = "Z"
     tip = tr("Drag a box around an ellipse to measure the mean and the standard deviation in it; Shift makes it round.")

@@ -91,10 +91,11 @@ class ObjectTool(Tool):
     def on_release(self) -> None:
         """Do what the click or stroke means, after all that was done before."""
         click = Click(_spread_places(self.stroke, self.stroke_spacing), self._adds)
-        needs_answer = not self._selection.selecting
-        self._selection.do_in_order(
-            partial(self._do_click, click, self._wants_another), click, needs_answer=needs_answer
-        )
+        waits = not self._selection.selecting
+        if any(map(self.is_in_image, self.stroke)):
+            self._selection.do_in_order(partial(self._do_click, click, self._wants_another), click, needs_answer=waits)
+        elif waits:  # in the margin there is nothing, as beside objects with the tool Select
+            self._selection.do_in_order(partial(self._list.select_objects, ()))
 
     def _do_click(self, click: Click, another: bool) -> None:
         """Select the object under a click, correct it if it is selected, or add the click to the object in progress."""
@@ -113,7 +114,7 @@ class ObjectTool(Tool):
         """Preview what a click would select or change."""
         existing = self._find_selectable(at)
         self._list.set_hovered_item(("object" if existing > 0 else "proposal", existing) if existing else None)
-        self._selection.preview_click(None if existing else at, self._is_positive)
+        self._selection.preview_click(None if existing or not self.is_in_image(at) else at, self._is_positive)
 
     def resize_by(self, by: float) -> None:
         """Propose the next larger candidate, or the next smaller one."""

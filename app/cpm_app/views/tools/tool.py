@@ -58,7 +58,7 @@ class Tool:
     """Text of its button; empty for that in the menu."""
     shortcut: str
     """Key that selects the tool."""
-    panel: Literal["objects", "run"] = "run"
+    panel: Literal["objects", "run", "measures"] = "run"
     """The tab of the right column that belongs to it."""
     tip: str = ""
     """Sentence on what the tool does."""
@@ -111,6 +111,11 @@ class Tool:
     def place_in_image(self, position: Place) -> Place:
         """Return the place in the image or in the volume of (row, col) in the view under the pointer."""
         return position if self.current_slice is None else self.current_slice.lift_position(position)
+
+    def is_in_image(self, place: Place) -> bool:
+        """Tell whether a place lies in the image or the volume, and not in the margin around it."""
+        image = self._session.document.image
+        return image is not None and all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True))
 
     @property
     def pixel_sides(self) -> tuple[float, float]:

@@ -95,8 +95,10 @@ class Docks(QObject):
         window.installEventFilter(self)
 
     def bring_to_front(self, name: str) -> None:
-        """Bring a tab to the front, without opening the column."""
-        self.tabs.setCurrentWidget(self._panels[name].widget)
+        """Bring a tab to the front if it is there, without opening the column."""
+        tab = self.tabs.indexOf(self._panels[name].widget)
+        if self.tabs.isTabVisible(tab):
+            self.tabs.setCurrentIndex(tab)
 
     def is_in_front(self, name: str) -> bool:
         """Return whether a tab is in front."""

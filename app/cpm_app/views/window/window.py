@@ -56,9 +56,6 @@ _GEOMETRY_KEY = "window/geometry"
 _LAYOUT_KEY = "window/panels"
 """Preference: layout of the panels."""
 
-_MEASURING = {"select", "ruler", "angle", "oval"}
-"""Tools that leave the table of measures in front."""
-
 _THEMES_BY_NAME = {"light": theme.LIGHT_THEME, "dark": theme.DARK_THEME}
 """Themes by the names in the preferences."""
 
@@ -241,7 +238,7 @@ class MainWindow(QMainWindow):
     def _on_tool_changed(self) -> None:
         """Bring the tab of the tool to the front, once per change, as the user may switch to another tab."""
         tool = self.canvas_area.canvas.dispatcher.tool
-        if not (self.docks.is_in_front("measures") and tool.name in _MEASURING):
+        if not (self.docks.is_in_front("measures") and tool.name == "select"):
             self.docks.bring_to_front(tool.panel)
         self.refresh_actions()
 

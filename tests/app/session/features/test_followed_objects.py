@@ -31,11 +31,12 @@ def disk(row: float, col: float, radius: float) -> np.ndarray:
     return np.hypot(rows - row, cols - col) < radius
 
 
-def page(*disks: tuple[float, float, float]) -> np.ndarray:
-    """A dark image with a soft noise, and bright disks."""
-    inside = np.any([disk(*each) for each in disks], axis=0)
-    noise = np.random.default_rng(1).normal(0.0, 3.0, inside.shape)
-    return (np.where(inside, 200.0, 30.0) + noise).astype(np.uint8)
+def page(*disks: tuple[float, ...]) -> np.ndarray:
+    """A dark image with a soft noise, and bright disks, perhaps with gray levels of their own."""
+    values = np.full((64, 64), 30.0)
+    for row, col, radius, *level in disks:
+        values[disk(row, col, radius)] = level[0] if level else 200.0
+    return (values + np.random.default_rng(1).normal(0.0, 3.0, values.shape)).astype(np.uint8)
 
 
 MOVING = [((20 + 2 * step, 18 + 3 * step, 9), (46, 44 - 2 * step, 7)) for step in range(4)]
@@ -100,14 +101,60 @@ def is_disk(item, disk_of: tuple[float, float, float]) -> bool:
     return (one & other).sum() / (one | other).sum() > 0.85
 
 
+def numbers_offered(window) -> list[int]:
+    return [each.proposed_object.number for each in window.workspace.object_selection.proposals]
+
+
+def toggle_following(window, hand) -> None:
+    """Press the button Follow below the image."""
+    button = window.get_feature(PagesFeature).bar.follow
+    hand.qtbot.mouseClick(button, LEFT)
+    settled(window, hand)
+
+
 @pytest.mark.parametrize(("axes", "told"), [("TYX", True), ("CYX", False)], ids=["in time", "in another channel"])
 def test_an_object_that_is_not_found_again_ends_in_time_and_not_between_channels(stack, hand, axes, told):
     window, shown = stack([MOVING[0], MOVING[0][:1]], axes), []
     window.session.messages.shown.connect(lambda message, *_: shown.append(message))
     take(window, hand, *(each[:2] for each in MOVING[0]))
     go(window, hand, 2)
-    assert [each.proposed_object.number for each in window.workspace.object_selection.proposals] == [1]
+    assert numbers_offered(window) == ([1] if told else [])  # channels are followed when the user says so
+    if not told:
+        toggle_following(window, hand)
+    assert numbers_offered(window) == [1]
     assert any("ends" in message for message in shown) == told
+    toggle_following(window, hand)
+    assert numbers_offered(window) == []
+
+
+def test_another_candidate_of_what_is_followed_is_accepted_by_enter_alone_with_number_name_and_color(stack, hand):
+    nucleus = [((30.0, col, 16.0, 110.0), (30.0, col, 7.0)) for col in (28.0, 31.0)]
+    window = stack(nucleus)
+    selection = window.workspace.object_selection
+    take(window, hand, (30.0, 28.0))
+    window.session.edit("name", lambda d: objects.update_objects(d, (1,), name="left", color="#123456", category=3))
+    go(window, hand, 2)
+    offered = selection.proposals[0].selection
+    hand.key(KEY.Key_BracketRight)
+    hand.wait(lambda: selection.selecting)
+    settled(window, hand)
+    assert window.session.history.undo_name == "larger candidate"
+    assert not items(window)
+    assert numbers_offered(window) == [1]
+    larger = selection.proposals[0].selection
+    assert larger.region.count > offered.region.count
+    hand.key(KEY.Key_Escape)
+    settled(window, hand)
+    assert not items(window)
+    assert selection.proposals[0].selection.has_same_region(offered)
+    hand.key(KEY.Key_BracketRight)
+    hand.wait(lambda: selection.selecting)
+    settled(window, hand)
+    hand.key(KEY.Key_Return)
+    settled(window, hand)
+    (item,) = items(window).values()
+    assert (item.number, item.name, item.color, item.category) == (1, "left", "#123456", 3)
+    assert item.region.paste((64, 64)).sum() == larger.region.count
 
 
 def test_what_was_accepted_is_offered_on_the_next_page_with_its_number_name_class_and_color(stack, hand):
@@ -116,7 +163,7 @@ def test_what_was_accepted_is_offered_on_the_next_page_with_its_number_name_clas
     window.session.edit("name", lambda d: objects.update_objects(d, (2,), name="left", color="#123456", category=3))
     go(window, hand, 2)
     assert not items(window)
-    assert [each.proposed_object.number for each in window.workspace.object_selection.proposals] == [1, 2]
+    assert numbers_offered(window) == [1, 2]
     hand.key(KEY.Key_Return)
     found = items(window)
     assert all(is_disk(found[number], MOVING[1][number - 1]) for number in (1, 2))
@@ -136,9 +183,11 @@ def test_a_click_corrects_what_is_followed_under_its_number_and_a_new_object_get
     hand.click(*MOVING[1][1][:2])  # what is offered, which is corrected by the next click
     settled(window, hand)
     hand.qtbot.mouseClick(hand.canvas.viewport(), LEFT, SHIFT, hand.at(46, 48))
-    hand.wait(lambda: window.session.document.objects.edited == 1)
+    hand.wait(lambda: window.workspace.object_selection.selecting)
     settled(window, hand)
+    assert sorted(items(window)) == [2]
     hand.key(KEY.Key_Return)
+    settled(window, hand)
     assert sorted(items(window)) == [1, 2]
 
 
@@ -261,6 +310,24 @@ def run_all(window, hand) -> None:
     settled(window, hand)
 
 
+def test_a_page_is_done_once_all_that_it_offers_is_rejected_and_not_before(stack, hand):
+    window = stack([MOVING[0]] * 2)
+    run_all(window, hand)
+    selection, panel = window.workspace.object_selection, window.panels["pages"]
+    for page in (1, 2):
+        if page == 2:
+            go(window, hand, 2)
+        hand.wait(lambda: len(selection.proposals) == 2 and selection.idle)
+        for left in (1, 0):
+            assert "Enter accepts" in panel.summary.text()
+            window.workspace.object_list.select_objects([selection.proposals[0].key])
+            hand.canvas.setFocus()
+            hand.key(KEY.Key_X)
+            hand.wait(lambda left=left: len(selection.proposals) == left)
+            settled(window, hand)
+    hand.wait(lambda: panel.summary.text() == "2 of 2 pages finished; tracks: 2.")
+
+
 def number_at(labels, disk) -> int:
     return int(labels[round(disk[0]), round(disk[1])])
 
@@ -279,7 +346,7 @@ def test_window_command_line_and_library_propose_the_same_objects_under_the_same
             settled(window, hand)
         # before the run of the page is back, the objects that are followed from the page before are offered
         hand.wait(lambda: window.session.status.phase == "finished" and selection.idle and bool(selection.proposals))
-        assert describe_outcome(window.workspace).startswith(f"{len(selection.proposals)} objects found")
+        assert describe_outcome(window.workspace).startswith(f"{len(selection.proposals)} proposals")
         seen.append({each.number for each in selection.proposals})
         hand.canvas.setFocus()
         hand.key(KEY.Key_Return)

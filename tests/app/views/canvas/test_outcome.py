@@ -31,7 +31,7 @@ def end_run(window, hand) -> str:
 
 def test_objects_that_were_found_are_counted_and_enter_accepts_them(ready, hand) -> None:
     said = end_run(ready, hand)
-    assert said.startswith("1 object found")
+    assert said.startswith("1 proposal")
     assert "Enter accepts it" in said
     hand.key(KEY.Key_Return)
     assert len(ready.session.document.objects.items) == 1
@@ -87,6 +87,21 @@ def test_that_all_proposals_are_rejected_is_said_with_what_brings_them_back(read
     hand.key(KEY.Key_W)
     hand.click(32.0, 32.0)
     hand.wait(lambda: panel.summary.text() == "1 proposal")
+
+
+def test_undo_is_not_advised_where_it_brings_no_proposal_back(ready, hand, tmp_path) -> None:
+    end_run(ready, hand)
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: describe_outcome(ready.workspace).endswith("or click one again (W)."))
+    ready.session.edit("draw", lambda document: replace(document, shapes=()))
+    said = "All proposals are rejected: click one again (W)."
+    assert describe_outcome(ready.workspace).endswith(said)
+    assert ready.document_file.save_and_wait(tmp_path / "rejected.cpm")
+    with hand.qtbot.waitSignal(ready.session.image_changed):
+        ready.session.open_file(tmp_path / "rejected.cpm")
+    assert not ready.actions_by_name["undo"].isEnabled()
+    hand.wait(lambda: describe_outcome(ready.workspace).endswith(said))
+    hand.wait(lambda: said in ready.canvas_area.hint.text())
 
 
 def test_a_run_that_offers_nothing_is_not_said_to_have_been_rejected(ready, hand, monkeypatch) -> None:
@@ -145,7 +160,7 @@ def make_unlikely(monkeypatch) -> None:
 def test_almost_no_confidence_is_remarked_of_a_proposal_of_a_run_as_of_a_click(ready, hand, monkeypatch) -> None:
     monkeypatch.setattr("cpm_core.objects.partition.estimate_confidence", lambda features: 0.01)
     said = end_run(ready, hand)
-    assert said.startswith("There may be no object here: the confidence is almost zero. 1 object found, 1 %.")
+    assert said.startswith("There may be no object here: the confidence is almost zero. 1 proposal, 1 %.")
 
 
 def test_enter_accepts_an_unlikely_object_only_once_it_is_selected(window, hand, monkeypatch) -> None:
@@ -174,18 +189,25 @@ def test_what_enter_leaves_is_not_said_to_be_all_that_was_found(window, hand, mo
     with hand.qtbot.waitSignal(window.session.image_changed):
         window.session.open_file(tmp_path / "discs.npy")
     window.actions_by_name["start_grid"].trigger()
-    assert end_run(window, hand).startswith("2 objects found, 1 doubtful.")
+    assert end_run(window, hand).startswith("2 proposals, 1 doubtful.")
     with hand.qtbot.waitSignal(window.session.messages.shown) as shown:
         hand.key(KEY.Key_Return)
     assert len(window.session.document.objects.items) == 1
     assert shown.args[0] == "Only doubtful proposals: 1. Select those to accept."
-    window.workspace.object_list.select_items(())
+    listed, panel = window.workspace.object_list, window.panels["objects"]
+    listed.select_items(())
     assert window.canvas_area.hint.text() == shown.args[0]
+    window.docks.reveal_panel("objects")
+    panel.show_selected()
+    assert panel.figures.text() == ""  # nothing is selected, and Enter would take nothing
+    listed.select_items([listed.rows[-1].key])
+    panel.show_selected()
+    assert panel.figures.text().startswith("proposal · ")
 
 
 def test_the_only_object_of_a_drawn_start_is_the_own_of_the_user(ready, hand, monkeypatch) -> None:
     make_unlikely(monkeypatch)
-    assert end_run(ready, hand).startswith("1 object found, 6 %. Enter accepts it")
+    assert end_run(ready, hand).startswith("1 proposal, 6 %. Enter accepts it")
     hand.key(KEY.Key_Return)
     assert len(ready.session.document.objects.items) == 1
 

@@ -54,7 +54,7 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
     layers, legend = rested.canvas_area.canvas.layers, rested.canvas_area.strip.legend
     offered = rested.session.scene.objects.proposals
     rested.canvas_area.strip.legend.update_now()
-    shown = (("found", sum(layers.contours.counts)), ("proposed", len(offered)), ("area of the start", 1))
+    shown = (("contours", sum(layers.contours.counts)), ("proposals", len(offered)), ("area of the start", 1))
     assert {entry.text: entry.count for entry in legend.entries} == {text: count for text, count in shown if count}
     for name in ("contours", "objects", "start_area"):
         layers[name].set_shown(False)

@@ -9,11 +9,14 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.session.features import session_code
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 
 import cpm_core as cpm
 from cpm_core import cli
+from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import PolygonRegion
 
 pytestmark = pytest.mark.shared_window
@@ -128,6 +131,38 @@ def test_objects_that_were_picked_of_those_of_a_run_and_one_of_another_size_are_
     shown.append(selection.proposals[0].selection)
     assert "--larger 1" in copied(hand, "copy_command")
     check_both(hand, tmp_path, tuple(shown))
+
+
+def test_a_run_that_the_window_shows_is_not_repeated(ready, hand, tmp_path, monkeypatch) -> None:
+    repeated = []
+    run = session_code.run
+    monkeypatch.setattr(session_code, "run", lambda *given, **named: repeated.append(1) or run(*given, **named))
+    selection = ready.workspace.object_selection
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    hand.wait(lambda: selection.ready and selection.idle)
+    click(hand, 42, 42)  # without a run, on contours that are found everywhere meanwhile
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: selection.idle and len(ready.session.document.objects.items) == 1)
+    ready.session.edit("no start", lambda document: replace(document, shapes=()))
+    hand.wait(lambda: selection.idle)
+    assert "--object" in copied(hand, "copy_command")
+    assert not repeated
+    ready.session.edit("no object", lambda document: replace(document, objects=SegmentedObjects()))
+    ready.actions_by_name["mode_automatic"].trigger()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and len(selection.proposals) == 3)
+    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: selection.idle and len(ready.session.document.objects.items) == 3)
+    assert copied(hand, "copy_command")
+    assert not repeated
+    ready.session.edit("damping", lambda document: edits.set_parameter(document, "beta", 0.7))
+    hand.wait(lambda: ready.session.status.phase == "finished" and ready.session.idle)
+    copied(hand, "copy_command")
+    assert repeated  # what is shown has been steered
 
 
 def test_proposals_that_were_rejected_are_left_out(ready, hand, tmp_path) -> None:

@@ -177,7 +177,7 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
     columns = [float(col) for col in column_texts(table, "col") if col != "–"]
     np.testing.assert_allclose(np.diff(columns), [5, 5, 5], atol=0.3)
     assert feature.panel.summary.text() == (
-        "4 of 5 pages were run. Objects on them, each counted once: 1. On each page Enter accepts its objects; "
+        "4 of 5 pages were run. Proposals on them, each counted once: 1. On each page Enter accepts its objects; "
         "until then its contours are listed. 1 could not be used."
     )
     strengths = column_texts(table, "strength")

@@ -55,6 +55,21 @@ def test_a_ruler_an_angle_and_an_ellipse_show_what_they_measure_and_are_undone_o
     assert window.session.document.shapes == (ruler,)
 
 
+def test_the_table_of_measures_comes_to_the_front_with_the_first_and_with_the_tool(window, hand) -> None:
+    docks = window.docks
+    docks.reveal_panel("objects")
+    hand.key(KEY.Key_V)
+    assert docks.is_in_front("objects")  # there is nothing to list
+    hand.drag((20, 22), (30, 30), (44, 42))
+    assert docks.is_in_front("measures")
+    hand.key(KEY.Key_C)
+    assert docks.is_in_front("run")
+    hand.key(KEY.Key_V)
+    assert docks.is_in_front("measures")
+    hand.key(KEY.Key_S)
+    assert docks.is_in_front("measures")
+
+
 def test_a_narrow_table_shows_what_there_is_before_what_no_measure_has(window, hand) -> None:
     hand.key(KEY.Key_Z)
     hand.drag((20, 22), (30, 30), (44, 42))

@@ -440,6 +440,26 @@ def test_a_click_in_an_object_chooses_it_and_a_click_in_a_chosen_one_corrects_it
     assert item.region.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
 
 
+def test_a_click_in_the_margin_is_no_point_and_deselects_as_beside_objects(window, hand, objects, layer) -> None:
+    for modifier in (NONE, SHIFT):
+        click(hand, 20.0, -3.0, modifier)
+        assert not window.session.document.objects.clicks
+    hand.move(30.0, -3.0)
+    hand.qtbot.wait(20)
+    assert window.session.scene.objects.preview is None
+    click(hand, *SMALL[0])
+    before = window.session.document.objects.clicks
+    click(hand, 20.0, 67.0)
+    hand.drag((10.0, -3.0), (20.0, -4.0), (30.0, -3.0))
+    assert window.session.document.objects.clicks == before
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: bool(window.workspace.object_list.selected_numbers))
+    click(hand, 20.0, -3.0)
+    hand.wait(lambda: not window.workspace.object_list.selected_numbers)
+    hand.drag((43.0, -3.0), (43.0, 20.0), (43.0, 42.0))  # a stroke that begins there and reaches an object counts
+    assert len(window.session.document.objects.clicks) == 1
+
+
 def test_a_click_with_shift_in_an_object_begins_to_correct_it_at_once(window, hand, objects) -> None:
     click(hand, 18, 18)
     click(hand, 43, 42)
@@ -528,7 +548,7 @@ def test_what_is_said_about_a_click_goes_with_the_next_edit(window, hand, object
 
 def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window, hand, layer) -> None:
     run_everywhere(hand)
-    assert "2 objects found. Enter accepts all" in window.canvas_area.hint.text()
+    assert "2 proposals. Enter accepts all" in window.canvas_area.hint.text()
     assert layer.proposal_fill.count == 2
     hand.key(KEY.Key_Return)
     masks = [item.region.paste((64, 64)) for item in taken(window)]
@@ -557,6 +577,18 @@ def doubtful(window, monkeypatch):
     return chosen
 
 
+def test_enter_draws_the_canvas_once(window, hand, objects, monkeypatch) -> None:
+    click(hand, *SMALL[0])
+    drawn = []
+    draw = window.canvas_area.canvas.draw_scene
+    monkeypatch.setattr(window.canvas_area.canvas, "draw_scene", lambda scene: (drawn.append(scene), draw(scene)))
+    accepted = window.workspace.object_list.selected_numbers
+    window.workspace.object_commands.accept_pending()
+    assert len(drawn) == 1
+    assert drawn[0] is window.session.scene
+    assert window.workspace.object_list.selected_numbers != accepted
+
+
 def test_enter_accepts_what_a_run_found_although_an_object_accepted_before_was_selected(
     window, hand, objects, doubtful
 ) -> None:
@@ -566,7 +598,7 @@ def test_enter_accepts_what_a_run_found_although_an_object_accepted_before_was_s
     first = taken(window)
     assert [item.number for item in window.workspace.object_list.selected_objects] == [first[0].number]
     run_everywhere(hand, 1)
-    assert "1 object found" in window.canvas_area.hint.text()
+    assert "1 proposal" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     assert len(taken(window)) == 2
 
@@ -612,13 +644,13 @@ def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, 
     monkeypatch.setattr(object_selection, "find_proposals", found)
     hint, listed = window.canvas_area.hint, window.workspace.object_list
     run_everywhere(hand, count=3)
-    assert hint.text().startswith("3 objects found, 1 doubtful. Enter accepts 2 ")
+    assert hint.text().startswith("3 proposals, 1 doubtful. Enter accepts 2 ")
     listed.select_objects(
         row.key[1]
         for row in listed.rows
         if row.kind == "proposal" and row.item.region.encloses(np.array([SMALL[0], corner])).any()
     )
-    assert hint.text().startswith("2 of 3 objects are selected. Enter accepts them")
+    assert hint.text().startswith("2 of 3 proposals are selected. Enter accepts them")
     take(hand)
     assert len(taken(window)) == 2
     assert any(item.region.encloses(np.array([corner]))[0] for item in taken(window))
@@ -639,7 +671,7 @@ def test_a_proposal_that_is_clicked_again_is_accepted_by_enter(window, hand, obj
 def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(window, hand, objects) -> None:
     run_everywhere(hand)
     click(hand, 18, 18)
-    assert "1 of 2 objects" in window.canvas_area.hint.text()
+    assert "1 of 2 proposals" in window.canvas_area.hint.text()
     take(hand)
     (item,) = taken(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
@@ -676,6 +708,44 @@ def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+
+
+def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path) -> None:
+    run_everywhere(hand)
+    take(hand)
+    hand.wait(lambda: objects.idle and len(taken(window)) == 2)
+    window.workspace.object_list.select_objects((1,))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Delete)
+    hand.wait(lambda: objects.idle and len(taken(window)) == 1)
+    assert window.document_file.save_and_wait(tmp_path / "deleted.cpm")
+    with hand.qtbot.waitSignal(window.session.image_changed):
+        window.session.open_file(tmp_path / "deleted.cpm")
+    hand.wait(lambda: window.session.status.phase == "finished" and objects.offer_is_known and objects.idle)
+    assert objects.proposals == ()
+    assert len(taken(window)) == 1
+
+
+@pytest.mark.parametrize(("confidence", "left"), [(0.1, 1), (0.9, 2)], ids=["doubtful", "sure"])
+def test_doubtful_ones_of_all_like_an_object_are_selected_to_be_deleted(
+    window, hand, objects, monkeypatch, confidence, left
+) -> None:
+    def find_one(cut, like):
+        return like[0], replace(cut.select([LARGE[0]]), confidence=confidence)
+
+    monkeypatch.setattr(object_selection, "select_all", find_one)
+    click(hand, *SMALL[0])
+    take(hand)
+    hand.wait(lambda: objects.idle and window.workspace.object_list.selected_numbers == {1})
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: objects.idle and len(taken(window)) == 2)
+    said = "Objects like this one: 1."
+    doubts = " The doubtful ones are selected: 1. Delete removes them." if left == 1 else ""
+    assert window.canvas_area.messages.text == said + doubts
+    assert window.workspace.object_list.selected_numbers == ({2} if left == 1 else {1})
+    if left == 1:
+        hand.key(KEY.Key_Delete)
+    assert len(taken(window)) == left
 
 
 def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(window, hand, objects) -> None:
@@ -765,7 +835,7 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
     likely = format_confidence(selection.proposals[0].selection)
-    assert f"1 object found, {likely}. Enter accepts it" in window.canvas_area.hint.text()
+    assert f"1 proposal, {likely}. Enter accepts it" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9

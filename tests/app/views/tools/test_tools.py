@@ -51,6 +51,16 @@ def test_the_point_tool_places_one_point_where_the_button_comes_up(window, hand)
     assert window.session.document.shapes == (one,)
 
 
+def test_the_point_tool_places_no_point_in_the_margin(window, hand) -> None:
+    hand.key(KEY.Key_P)
+    hand.click(10, -4)
+    assert window.session.document.shapes == ()
+    assert not window.actions_by_name["undo"].isEnabled()
+    hand.drag((40, 10), (40, 3), (40, -4))
+    (one,) = window.session.document.shapes
+    assert one.positions == (pytest.approx((40, 3), abs=PIXEL),)
+
+
 def test_the_select_tool_moves_a_circle_and_its_handle_resizes_it(ready, hand) -> None:
     hand.key(KEY.Key_S)
     hand.drag((32, 32), (30, 30), (27, 38))

@@ -128,7 +128,7 @@ def test_the_cross_hair_gives_way_to_the_objects_that_a_run_offers(window, hand,
     hand.key(KEY.Key_Space)
     hand.wait(lambda: bool(window.workspace.object_selection.proposals))
     assert window.canvas_area.crosshair.position is None
-    hand.wait(lambda: window.canvas_area.hint.text().startswith("1 object found"))
+    hand.wait(lambda: window.canvas_area.hint.text().startswith("1 proposal"))
     keys("!")
     assert len(window.session.document.objects.items) == 1
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cpm_app.session.features.outcome import describe_outcome
 from cpm_app.session.storage.session_file import DocumentFile
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
@@ -55,18 +54,27 @@ def test_every_way_shows_the_bodies_that_a_run_in_a_volume_proposes_and_enter_ac
     labels = cpm.load_volume(tmp_path / "run.tif").values
     assert masks(result.objects) == [(labels == number).tobytes() for number in (1, 2, 3)]
 
-    assert describe_outcome(volume.workspace).startswith("3 objects found")
+    legend, panel = volume.canvas_area.strip.legend, volume.panels["objects"]
+    hand.key(Qt.Key.Key_W)
+    hand.wait(panel.isVisible)
+    legend.update_now()
+    panel.show_selected()
+    assert volume.canvas_area.hint.text().startswith("3 proposals. ")
+    assert panel.summary.text() == "3 proposals"
+    assert {entry.text: entry.count for entry in legend.entries}["proposals"] == 3
+    assert "contours" not in {entry.text for entry in legend.entries}
     hand.key(Qt.Key.Key_Return)
     hand.wait(lambda: selection.idle and not selection.proposals)
     items = volume.session.document.objects.items
     assert [item.region.paste(offered[0].shape).tobytes() for item in items] == masks(offered)
     assert [item.confidence for item in items] == pytest.approx([one.confidence for one in offered], abs=1e-3)
 
-    legend = volume.canvas_area.strip.legend
     volume.workspace.slices.go_through((9.0, 10.0, COLUMNS[0]))
     volume.workspace.slices.set_axis(2)
     legend.update_now()
-    assert [(entry.count, entry.text) for entry in legend.entries if entry.text == "accepted"] == [(3, "accepted")]
+    assert {entry.text: entry.count for entry in legend.entries}["objects"] == 3
+    panel.show_selected()
+    assert panel.summary.text() == "3 objects"
 
     status = volume.session.status
     volume.workspace.object_list.select_objects([items[0].number])
