@@ -14,7 +14,7 @@ with those that stay.
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import DELETION_DISTANCE
 from cpm_core.model.plane.motion import READ_AHEAD_COUNT, edge_state_at, prefetch_field
 from cpm_core.model.plane.repulsion import PlaneCells, cells_around, row_of_cells
-from cpm_core.model.state import HISTORY_STEPS, Particles
+from cpm_core.model.state import Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single, record
@@ -434,16 +434,19 @@ def replace_particles(particles: Particles, stay: Index, births: PlaneBirths, fi
     New ones have the mean velocity and force history of their two parents.
     """
     one, other = births.parents.T
-    count = len(births.position)
+    kept, born = len(stay), len(births.position)
 
-    def join(array: Array, new: Array | None = None) -> Array:
-        return np.concatenate([array[stay], 0.5 * (array[one] + array[other]) if new is None else new])
+    def join(array: Any, new: Any = None) -> Any:
+        joined = np.empty((kept + born, *array.shape[1:]), array.dtype)
+        np.take(array, stay, 0, joined[:kept], "clip")  # without a copy, and three times as fast as array[stay]
+        joined[kept:] = 0.5 * (array[one] + array[other]) if new is None else new
+        return joined
 
     return Particles(
         join(particles.position, births.position),
         join(particles.velocity),
         join(particles.force),
-        join(particles.distance, np.full((count, HISTORY_STEPS), np.nan)),
-        join(particles.identity, first_identity + np.arange(count)),
+        join(particles.distance, np.nan),
+        join(particles.identity, first_identity + np.arange(born)),
         join(particles.crept),
     )
