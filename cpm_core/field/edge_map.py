@@ -177,9 +177,13 @@ def _lower_quartile(values: Array) -> float:
     bits = values.view(f"i{values.itemsize}")
     shift = 8 * values.itemsize - _SORTING_BITS
     counts: list[Index] = []
-    run_in_parallel(
-        lambda first, end: counts.append(_count_leading_bits(bits[first:end], shift)), len(bits), _NUMBERS_PER_THREAD
-    )
+
+    def count_some(first: int, end: int) -> None:
+        own = np.zeros(1 << _SORTING_BITS, np.int64)
+        _count_leading_bits(bits[first:end], shift, own)
+        counts.append(own)
+
+    run_in_parallel(count_some, len(bits), _NUMBERS_PER_THREAD)
     before = np.cumsum(sum(counts))
     place = 0.25 * (len(values) - 1)
     first, last = np.searchsorted(before, [int(place), math.ceil(place)], side="right").tolist()
@@ -189,12 +193,10 @@ def _lower_quartile(values: Array) -> float:
 
 
 @compiled
-def _count_leading_bits(bits: Index, shift: int) -> Index:
+def _count_leading_bits(bits: Index, shift: int, counts: Index) -> None:
     """Count the numbers that begin with the same bits."""
-    counts = np.zeros(1 << _SORTING_BITS, np.int64)
     for number in bits:
         counts[number >> shift] += 1
-    return counts
 
 
 def prepare_for_edges(values: Array) -> DenoisedImage:

@@ -425,7 +425,14 @@ def write_lorentz_force(
         tiny,
     )
     limits = tuple(map(kind, levels))
-    run_in_bands(partial(_write_force, field, grad, strength, limits, packed, first), len(packed))
+    rows, cols = strength.shape
+
+    def write_band(begin: int, end: int) -> None:
+        low, high = max(first[0] + begin - _FORCE_OVERLAP, 0), min(first[0] + end + _FORCE_OVERLAP, rows)
+        lines, largest = np.empty((7, high - low, cols), kind), np.empty((4, cols), kind)
+        _write_force(field, grad, strength, limits, packed, first, low, lines, largest, begin, end)
+
+    run_in_bands(write_band, len(packed))
 
 
 @compiled
@@ -436,16 +443,22 @@ def _write_force(
     limits: tuple[Any, ...],
     packed: Single,
     corner: tuple[int, int],
+    low: int,
+    lines: Array,
+    largest: Array,
     first: int,
     end: int,
 ) -> None:
-    """Write `write_lorentz_force` on some lines."""
+    """Write `write_lorentz_force` on some lines.
+
+    `lines`, shape (7, N, W), has room for seven numbers of each pixel from line `low` on, `largest` for four more of a
+    line.
+    """
     slope_at, span, weakest, least, faintest, tiny = limits
     kind = strength.dtype.type
     one, zero, half = kind(1.0), kind(0.0), kind(0.5)
     rows, cols = strength.shape
-    low, high = max(corner[0] + first - _FORCE_OVERLAP, 0), min(corner[0] + end + _FORCE_OVERLAP, rows)
-    lines, largest = np.empty((7, high - low, cols), strength.dtype), np.empty((4, cols), strength.dtype)
+    high = low + lines.shape[1]
     # one by one: Numba does not see that parts of an array that is unpacked are contiguous
     size, normal_y, normal_x, slope = lines[0], lines[1], lines[2], lines[3]
     summits, sizes, slopes = lines[4], lines[5], lines[6]

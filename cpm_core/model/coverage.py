@@ -28,18 +28,23 @@ def cell_of(place: float, size: float, along: int) -> int:
 
 
 @compiled
-def sort_by_cell(cells: Index, count: int) -> tuple[Index, Index]:
-    """Sort items stably by their cells, shape (N,); return the order and where each of `count` cells begins."""
-    order, start = np.empty(len(cells), np.int64), np.zeros(count + 1, np.int64)
+def sort_by_cell(cells: Index, order: Index, start: Index) -> None:
+    """Sort items stably by their cells, shape (N,).
+
+    The order is written, and where each cell begins, and the last ends, over the zeros of `start`.
+    """
     for i in range(len(cells)):
-        start[cells[i] + 1] += 1
-    for c in range(count):
-        start[c + 1] += start[c]
-    cursor = start[:-1].copy()
+        start[cells[i]] += 1
+    end = len(cells)
+    for c in range(len(start) - 1, -1, -1):
+        end -= start[c]
+        start[c] = end
     for i in range(len(cells)):
-        order[cursor[cells[i]]] = i
-        cursor[cells[i]] += 1
-    return order, start
+        order[start[cells[i]]] = i
+        start[cells[i]] += 1
+    for c in range(len(start) - 1, 0, -1):
+        start[c] = start[c - 1]
+    start[0] = 0
 
 
 Steps = NDArray[np.int32]

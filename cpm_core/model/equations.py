@@ -1,10 +1,12 @@
 """The laws of motion of a particle: total force of eq. (12) and one step of eq. (14)-(15), and equilibrium, eq. (23).
 
-The laws are compiled functions of single numbers, for the loops that apply them to every particle, in any number of
-dimensions.
+The laws are functions of single numbers, for the loops that apply them to every particle, in any number of dimensions.
 """
 
 from __future__ import annotations
+
+import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -69,7 +71,6 @@ def repulsion_left(idle: int) -> float:
     return max(0.0, 1.0 - _FADING_PER_STEP * idle)
 
 
-@compiled
 def damping_coefficient(beta: float, idle: int) -> float:
     """Return the damping coefficient of a particle: beta, and more for large `idle`.
 
@@ -82,16 +83,24 @@ def damping_coefficient(beta: float, idle: int) -> float:
     return max(beta, _MIN_LATE_DAMPING) * 2.0 ** (late / _DAMPING_DOUBLING_STEPS) if late > 0.0 else beta
 
 
-@compiled
+@lru_cache(maxsize=8)
+def damped_motion(beta: float, dt: float) -> Array:
+    """Return the series of the damped motion by the steps without newly covered cells; the last row is for later ones.
+
+    This is the damping ``-beta v`` of eq. (12), integrated in closed form; ``beta = 0`` gives eq. (14).
+    """
+    return np.array([damped_series(damping_coefficient(beta, idle) * dt) for idle in range(FINAL_DAMPING_STEPS + 1)])
+
+
 def damped_series(z: float) -> tuple[float, float, float, float]:
     """Return ``exp(-z)`` and the weights that damping ``z = beta dt`` leaves of 1, 1/2 and 1/6 in eq. (14)."""
-    keep = np.exp(-z)
+    keep = math.exp(-z)
     if z < 1e-2:  # the closed forms cancel for small z; the series are exact to rounding there
         one = 1.0 - z / 2.0 + z**2 / 6.0 - z**3 / 24.0 + z**4 / 120.0
         two = 0.5 - z / 6.0 + z**2 / 24.0 - z**3 / 120.0 + z**4 / 720.0
         three = 1.0 / 6.0 - z / 24.0 + z**2 / 120.0 - z**3 / 720.0 + z**4 / 5040.0
         return keep, one, two, three
-    one = -np.expm1(-z) / z
+    one = -math.expm1(-z) / z
     two = (1.0 - one) / z
     return keep, one, two, (0.5 - two) / z
 
@@ -111,7 +120,7 @@ def advance_coordinate(
     The undamped force is continued by its Taylor series, whose derivative is eq. (15): the quadratic through the last
     three forces ``w1 F_c + w2 F_l``, now and at the two steps before. Damping is linear and therefore integrated
     exactly, which keeps every beta stable; as beta goes to zero the coefficients become those of eq. (14). Of second
-    order. `series` is `damped_series` of ``beta dt``.
+    order. `series` is a row of `damped_motion`.
     """
     keep, one, two, three = series
     slope = (3.0 * force - 4.0 * last + before) / (2.0 * dt)

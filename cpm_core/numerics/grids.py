@@ -349,15 +349,15 @@ def smooth_rows(values: Array, sigma: float, first: int, end: int) -> Array:
     smooth, top = np.empty((end - first, values.shape[1])), max(first - gaussian_radius(sigma), 0)
     lines = values[top : end + gaussian_radius(sigma)].astype(np.float64, copy=False)
     lines.flags.writeable = False  # as those of an image are, else Numba would compile the loops for both
-    _write_smoothed_rows(lines, half_gaussian_weights(sigma), first - top, smooth)
+    weights = half_gaussian_weights(sigma)
+    _write_smoothed_rows(lines, weights, first - top, np.empty(values.shape[1] + 2 * len(weights) - 2), smooth)
     return smooth
 
 
 @compiled
-def _write_smoothed_rows(values: Array, weights: Array, first: int, smooth: Array) -> None:
-    """Write rows from the first one on after a Gaussian, whose weights begin in its middle."""
+def _write_smoothed_rows(values: Array, weights: Array, first: int, line: Array, smooth: Array) -> None:
+    """Write rows from the first one on after a Gaussian, whose weights begin in its middle; `line` is room for one."""
     reach, cols = len(weights) - 1, values.shape[1]
-    line = np.empty(cols + 2 * reach)
     for i in range(len(smooth)):
         for left in range(0, cols, _SUMMED_PIXELS):
             right = min(left + _SUMMED_PIXELS, cols)

@@ -71,13 +71,7 @@ def keep_apart(places: Array, distance: float, are_rivals: Callable[[Index, Inde
         pairs = scipy.spatial.cKDTree(places).query_pairs(np.nextafter(distance, 0.0), output_type="ndarray")
         if are_rivals is not None:
             pairs = pairs[are_rivals(*pairs.T)]
-        _drop_later(pairs[np.argsort(pairs[:, 0], kind="stable")], kept)
+        for earlier, later in pairs[np.argsort(pairs[:, 0], kind="stable")].tolist():
+            if kept[earlier]:
+                kept[later] = False
     return kept
-
-
-@compiled
-def _drop_later(pairs: Index, kept: Mask) -> None:
-    """Drop the second of each pair whose first one stays; pairs are in the order of the first."""
-    for n in range(len(pairs)):
-        if kept[pairs[n, 0]]:
-            kept[pairs[n, 1]] = False

@@ -25,7 +25,7 @@ from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import DELETION_DISTANCE
 from cpm_core.model.plane.motion import READ_AHEAD_COUNT, edge_state_at, prefetch_field
 from cpm_core.model.plane.repulsion import PlaneCells, cells_around, row_of_cells
-from cpm_core.model.state import HISTORY_STEPS, Particles
+from cpm_core.model.state import Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import run_in_parallel
 from cpm_core.numerics.types import Array, Index, Mask, Single, record
@@ -241,7 +241,8 @@ def find_insertions(
     offers = np.concatenate([found[first] for first in sorted(found)])
     offers = offers[np.argsort(offers[:, 0], kind="stable")]
     position, parents = np.empty((len(offers), 2)), np.empty((len(offers), 2), np.int64)
-    born = _insert_apart(contact.cells, offers, d_min, position, parents) if len(offers) else 0
+    newest, earlier = np.full(len(contact.cells.start), -1), np.empty(len(offers), np.int64)
+    born = _insert_apart(contact.cells, offers, d_min, newest, earlier, position, parents) if len(offers) else 0
     return PlaneBirths(position[:born], parents[:born])
 
 
@@ -278,7 +279,10 @@ def _find_offers(
             continue
         faintest, before = max(rule.floor, EDGE_END_FRACTION * strength[i]), count
         if count + _MAX_OFFERS > len(offers):
-            offers = np.concatenate((offers, np.empty_like(offers)))
+            former, offers = offers, np.empty((2 * len(offers), 6))
+            for n in range(count):
+                for item in range(6):
+                    offers[n, item] = former[n, item]
         stride = rule.d_min / max(np.sqrt(n_y**2 + n_x**2), 1e-30)
         for way in range(4):  # to both sides along its edge, and across it
             if (length > 1 and way < 2) or insertion_range[i] == 0.0:
@@ -394,10 +398,13 @@ def _slide_to_edge(packed: Single, faintest: float, farthest: float, y: float, x
 
 
 @compiled
-def _insert_apart(cells: PlaneCells, offers: _Offers, d_min: float, position: Array, parents: Index) -> int:
-    """Insert particles at the offered positions, in order, if they keep their distance from one another."""
-    newest = np.full(cells.rows * cells.cols, -1, np.int64)
-    earlier = np.empty(len(position), np.int64)
+def _insert_apart(
+    cells: PlaneCells, offers: _Offers, d_min: float, newest: Index, earlier: Index, position: Array, parents: Index
+) -> int:
+    """Insert particles at the offered positions, in order, if they keep their distance from one another.
+
+    `newest` of each cell, none yet, and the one `earlier` in its cell than each, are written as well.
+    """
     born = 0
     for i in range(len(offers)):
         y, x = offers[i, 2], offers[i, 3]
@@ -426,34 +433,20 @@ def replace_particles(particles: Particles, stay: Index, births: PlaneBirths, fi
     `stay` has the shape (K,).
     New ones have the mean velocity and force history of their two parents.
     """
-    before = tuple(vars(particles).values())
-    count = len(stay) + len(births.position)
-    after: Any = [np.empty((count, *array.shape[1:]), array.dtype) for array in before]
-    _write_replaced(before, stay, births.position, births.parents, first_identity, tuple(after))
-    return Particles(*after)
+    one, other = births.parents.T
+    kept, born = len(stay), len(births.position)
 
+    def join(array: Any, new: Any = None) -> Any:
+        joined = np.empty((kept + born, *array.shape[1:]), array.dtype)
+        np.take(array, stay, 0, joined[:kept], "clip")  # without a copy, and three times as fast as array[stay]
+        joined[kept:] = 0.5 * (array[one] + array[other]) if new is None else new
+        return joined
 
-@compiled
-def _write_replaced(
-    before: tuple[Array, Array, Array, Array, Index, Array],
-    stay: Index,
-    position: Array,
-    parents: Index,
-    first: int,
-    after: tuple[Array, Array, Array, Array, Index, Array],
-) -> None:
-    """Write the arrays of the particles that replace others."""
-    place, velocity, force, distance, identity, crept = before
-    to_place, to_velocity, to_force, to_distance, to_identity, to_crept = after
-    for n in range(len(to_place)):
-        born = n - len(stay)
-        i, j = (stay[n], stay[n]) if born < 0 else (parents[born, 0], parents[born, 1])
-        for axis in range(2):
-            to_place[n, axis] = place[i, axis] if born < 0 else position[born, axis]
-            to_velocity[n, axis] = 0.5 * (velocity[i, axis] + velocity[j, axis])
-            for t in range(2):
-                to_force[n, t, axis] = 0.5 * (force[i, t, axis] + force[j, t, axis])
-        for t in range(HISTORY_STEPS):
-            to_distance[n, t] = distance[i, t] if born < 0 else np.nan
-        to_identity[n] = identity[i] if born < 0 else first + born
-        to_crept[n] = 0.5 * (crept[i] + crept[j])
+    return Particles(
+        join(particles.position, births.position),
+        join(particles.velocity),
+        join(particles.force),
+        join(particles.distance, np.nan),
+        join(particles.identity, first_identity + np.arange(born)),
+        join(particles.crept),
+    )

@@ -8,7 +8,7 @@ a barrier slides along it, or stays where it is.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -28,18 +28,17 @@ from cpm_core.image.regions import BarrierMap, crosses_barrier
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import (
     FADED_STEPS,
-    FINAL_DAMPING_STEPS,
     MAX_TRAVEL,
     advance_coordinate,
     coulomb_scale,
-    damped_series,
-    damping_coefficient,
+    damped_motion,
     is_stuck,
     repulsion_left,
 )
 from cpm_core.model.plane.repulsion import (
     NO_MESH,
     VECTOR_LANES,
+    Bits,
     MeshForce,
     PlaneCells,
     build_plane_cells,
@@ -133,20 +132,15 @@ class MotionLaw(NamedTuple):
     floor: float
 
 
-@lru_cache(maxsize=8)
-def damped_motion(beta: float, dt: float) -> Array:
-    """Return the series of the damped motion by the steps without newly covered cells; the last row is for later ones.
-
-    This is the damping ``-beta v`` of eq. (12), integrated in closed form; ``beta = 0`` gives eq. (14).
-    """
-    return np.array([damped_series(damping_coefficient(beta, idle) * dt) for idle in range(FINAL_DAMPING_STEPS + 1)])
-
-
 def is_at_rest(particles: Particles, idle: Index) -> Mask:
     """Return a mask, shape (N,), of the particles that the next step skips."""
     slow = np.einsum("ni,ni->n", particles.velocity, particles.velocity) < REST_SPEED**2
     return slow & (idle >= FADED_STEPS) & ~particles.young
 
+
+_Repulsion = tuple[Array, Single, Bits, Array]
+"""The Coulomb force, and room for the particles near those of a cell, for the bits of the last of its rows, and for
+their sums; Numba would compile for each kernel what makes an array."""
 
 Four = tuple[float, float, float, float]
 """Four numbers, such as a damped series or the history of two forces."""
@@ -198,7 +192,14 @@ def move_in_plane(
     crept, motion = np.empty((2, len(particles)))
     moved = position, velocity, force, distance, crept, motion
     work = partial(_move_sorted, cells, scale_field.packed, scale_field.area, idle, mesh, damped, law, before, moved)
-    run_in_parallel(work, len(particles), _MOVED_PER_THREAD if (idle < FADED_STEPS).any() else _LATE_MOVED_PER_THREAD)
+
+    def move_some(first: int, last: int) -> None:
+        room = len(particles) + VECTOR_LANES
+        near, coulomb = np.empty((3, room), np.float32), np.zeros((last - first, 2))
+        work((coulomb, near, near[2].view(np.int32), np.empty((room, 4))), first, last)
+
+    some = _MOVED_PER_THREAD if (idle < FADED_STEPS).any() else _LATE_MOVED_PER_THREAD
+    run_in_parallel(move_some, len(particles), some)
     return Particles(position, velocity, force, distance, particles.identity, crept), motion
 
 
@@ -231,14 +232,15 @@ def _move_sorted(
     law: MotionLaw,
     before: tuple[Array, Array, Array, Array],
     after: tuple[Array, Array, Array, Array, Array, Array],
+    repulsion: _Repulsion,
     first: int,
     last: int,
 ) -> None:
     """Move some of the sorted particles."""
     velocity, force, distance, crept = before
     to_position, to_velocity, to_force, to_distance, to_crept, motion = after
-    coulomb = np.zeros((last - first, 2))
-    _write_repulsion(cells, idle, mesh, law, coulomb, first, last)
+    _write_repulsion(cells, idle, mesh, law, repulsion, first, last)
+    coulomb = repulsion[0]
     for k in range(first, last):
         if (k - first) % READ_AHEAD_COUNT == 0 and idle[
             cells.order[k]
@@ -286,14 +288,12 @@ def _is_inside(area: Mask, y: float, x: float) -> bool:
 
 @compiled
 def _write_repulsion(
-    cells: PlaneCells, idle: Index, mesh: MeshForce, law: MotionLaw, coulomb: Array, first: int, last: int
+    cells: PlaneCells, idle: Index, mesh: MeshForce, law: MotionLaw, repulsion: _Repulsion, first: int, last: int
 ) -> None:
     """Write the normalized Coulomb force on some of the sorted particles, shape (`last` - `first`, 2), cell by cell."""
     smooth, softening = mesh.force, mesh.softening  # taking an array out of a tuple is too slow for every particle
-    room = len(cells.order) + VECTOR_LANES
-    near, sums = np.empty((3, room), np.float32), np.empty((room, 4))
-    bits, reach = near[2].view(np.int32), np.float32(mesh.reach)
-    end, listed, length, own = first, -1, 0, 0
+    coulomb, near, bits, sums = repulsion
+    reach, end, listed, length, own = np.float32(mesh.reach), first, -1, 0, 0
     while end < last:
         k = end
         if repulsion_left(idle[cells.order[k]]) == 0.0:

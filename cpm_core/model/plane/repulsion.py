@@ -61,20 +61,22 @@ class PlaneCells(NamedTuple):
 def build_plane_cells(position: Array, shape: Extent, size: float) -> PlaneCells:
     """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
     rows, cols = (int(n / size) + 1 for n in shape)
-    return PlaneCells(size, rows, cols, *_sort_into_plane_cells(position, size, rows, cols))
+    count, start = len(position), np.zeros(rows * cols + 1, np.int64)
+    cells = PlaneCells(size, rows, cols, start, np.empty(count, np.int64), np.empty(count), np.empty(count))
+    _sort_into_plane_cells(position, np.empty(count, np.int64), cells)
+    return cells
 
 
 @compiled
-def _sort_into_plane_cells(position: Array, size: float, rows: int, cols: int) -> tuple[Index, Index, Array, Array]:
-    """Return where the particles of each cell begin, and all particles in order with coordinates; see `PlaneCells`."""
-    cell = np.empty(len(position), np.int64)
+def _sort_into_plane_cells(position: Array, cell: Index, cells: PlaneCells) -> None:
+    """Write the cell of each particle, and the arrays of `PlaneCells`."""
+    order, y, x = cells.order, cells.y, cells.x
     for i in range(len(position)):
-        cell[i] = cell_of(position[i, 0], size, rows) * cols + cell_of(position[i, 1], size, cols)
-    order, start = sort_by_cell(cell, rows * cols)
-    y, x = np.empty(len(order)), np.empty(len(order))
+        row, col = cell_of(position[i, 0], cells.size, cells.rows), cell_of(position[i, 1], cells.size, cells.cols)
+        cell[i] = row * cells.cols + col
+    sort_by_cell(cell, order, cells.start)
     for k in range(len(order)):
         y[k], x[k] = position[order[k], 0], position[order[k], 1]
-    return start, order, y, x
 
 
 @compiled

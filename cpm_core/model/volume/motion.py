@@ -28,8 +28,7 @@ from cpm_core.model.coverage import cell_of, sort_by_cell
 from cpm_core.model.equations import (
     COULOMB_SOFTNESS,
     advance_coordinate,
-    damped_series,
-    damping_coefficient,
+    damped_motion,
     is_stuck,
     repulsion_left,
 )
@@ -87,12 +86,13 @@ def _sort_into_volume_cells(
     col, line = np.empty(count, np.int64), np.empty(count, np.int64)
     for i in range(count):
         col[i] = cell_of(position[i, 2], size, cols)
-    by_col, _ = sort_by_cell(col, cols)
+    by_col, order, sorted_places = np.empty(count, np.int64), np.empty(count, np.int64), np.empty((count, 3))
+    sort_by_cell(col, by_col, np.zeros(cols + 1, np.int64))
     for n in range(count):
         place = row_of(position, by_col[n])
         line[n] = cell_of(place[0], size, planes) * rows + cell_of(place[1], size, rows)
-    order, start = sort_by_cell(line, planes * rows)
-    sorted_places = np.empty((count, 3))
+    start = np.zeros(planes * rows + 1, np.int64)
+    sort_by_cell(line, order, start)
     for n in range(count):
         order[n] = by_col[order[n]]
         set_row(sorted_places, n, row_of(position, order[n]))
@@ -173,8 +173,8 @@ _Fields = tuple[Single, Single, Single]
 _Grid = tuple[Vector, Vector, float, float]
 """Sides of a voxel, voxels along the sides of a block, least edge strength, and the radius of placed charges."""
 
-_Law = tuple[float, float, float, float, float]
-"""Weights w1 and w2, damping, time step, and particle spacing."""
+_Law = tuple[float, float, float, float]
+"""Weights w1 and w2, time step, and particle spacing."""
 
 _Felt = tuple[_Fields, _Grid, Array, _Law]
 """All of these, with the placed charges."""
@@ -210,7 +210,8 @@ def move_in_volume(
     before = particles.position, particles.velocity, particles.force, particles.normal
     written = after.position, after.velocity, after.force, after.normal, after.strength
     felt = _gather_surroundings(field, law, placed)
-    work = partial(_move_turn, turn, cells, idle, before, particles.on_surface, written, after.on_surface, felt)
+    damped = damped_motion(law.beta, law.time_step)
+    work = partial(_move_turn, turn, cells, idle, before, particles.on_surface, written, after.on_surface, felt, damped)
     run_in_parallel(work, len(turn), _VOLUME_MOVED_PER_THREAD)
     after.distance[:, 0] = row_lengths(after.position)
     return after, row_lengths(after.position - particles.position)
@@ -240,7 +241,7 @@ def _gather_surroundings(field: VolumeField, law: Parameters, placed: ChargesAtS
         (field.smoothed, field.edge_map, field.far_field.force),
         (field.pitch, field.far_field.block, field.floor, placed.radius),
         placed.charges,
-        (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),
+        (float(law.w1), float(law.w2), float(law.time_step), float(law.d_min)),
     )
 
 
@@ -254,13 +255,14 @@ def _move_turn(
     after: tuple[Array, Array, Array, Array, Array],
     seated: Mask,
     felt: _Felt,
+    damped: Array,
     first: int,
     last: int,
 ) -> None:
     """Move some of the particles that have their turn."""
     position, velocity, force, normals = before
     to_position, to_velocity, to_force, to_normal, strength = after
-    (_, _, beta, dt, _), found = felt[3], near_buffer(cells)
+    dt, found = felt[3][2], near_buffer(cells)
     for q in range(first, last):
         i = turn[q]
         place, speed = row_of(position, i), row_of(velocity, i)
@@ -272,7 +274,8 @@ def _move_turn(
             along = move_along(coulomb, 1.0, placed)
             total = move_along(total, -1.0, move_along(along, -dot(along, normal), normal))
             speed = scale_vector(normal, dot(speed, normal))
-        series = damped_series(damping_coefficient(beta, idle[i]) * dt)
+        late = min(idle[i], len(damped) - 1)
+        series = (damped[late, 0], damped[late, 1], damped[late, 2], damped[late, 3])
         for axis in range(3):
             now = total[axis]
             old, older = (now, now) if on_edge else (force[i, 0, axis], force[i, 1, axis])
@@ -298,7 +301,7 @@ def _forces_on(
 
     Return also the normal of the edge there, its strength, and whether the particle is on it.
     """
-    fields, (pitch, block, floor, radius), charges, (w1, w2, _, _, d_min) = felt
+    fields, (pitch, block, floor, radius), charges, (w1, w2, _, d_min) = felt
     coulomb = (0.0, 0.0, 0.0)
     left = repulsion_left(idle)
     if left > 0.0:

@@ -43,11 +43,11 @@ def _count_uncrossed_steps(start: Mask, right: Single, down: Single, most: int) 
         for c in range(cols):
             if start[r, c]:
                 steps[r, c] = 0
-                queue[end] = r, c
+                queue[end, 0], queue[end, 1] = r, c
                 end += 1
     at = 0
     while at < end:
-        r, c = queue[at]
+        r, c = queue[at, 0], queue[at, 1]
         at += 1
         if steps[r, c] + 1 >= most:
             continue
@@ -59,6 +59,6 @@ def _count_uncrossed_steps(start: Mask, right: Single, down: Single, most: int) 
         ):
             if 0 <= y < rows and 0 <= x < cols and not crossed and steps[r, c] + 1 < steps[y, x]:
                 steps[y, x] = steps[r, c] + 1
-                queue[end] = y, x
+                queue[end, 0], queue[end, 1] = y, x
                 end += 1
     return steps
