@@ -10,7 +10,7 @@ import scipy
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel, measure_depth
 from cpm_core.numerics.types import Array
-from cpm_core.objects.background import measure_level
+from cpm_core.objects.boundaries.background import measure_level
 
 _EDGE_WIDTH = 4
 """Width of the rim of a body in which its own edge is seen [smallest sides of a voxel]."""
