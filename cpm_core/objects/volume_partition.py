@@ -457,11 +457,10 @@ class VolumePartition:
             (at,) = self._clip_points(place) * self._predictor.voxel_sides
             bodies = tuple(self._predictor.predict_bodies(at))
             meant = find_meant_body(bodies, at, lambda body: self._show_body(body, place))
-            for inner in self._find_inner_bodies(meant.region) if meant.has_boundary else ():
-                if inner.contains(place).all():
-                    body = body_from_mask(inner.mask, self.voxel_sides)
-                    meant = replace(self.build_selection(inner.region, place), prediction=body)
-                    bodies = *bodies, body
+            for inner in self._find_inner_bodies(meant.region, self._find_nearest_voxels(place)[0]):
+                body = body_from_mask(inner.mask, self.voxel_sides)
+                meant = replace(self.build_selection(inner.region, place), prediction=body)
+                bodies = *bodies, body
             known = meant, bodies
             self._predicted_around.clear()
             self._predicted_around[key] = known
@@ -524,11 +523,15 @@ class VolumePartition:
             self._parts_of_bodies[number] = tuple(found)
         return self._parts_of_bodies[number]
 
-    def _find_inner_bodies(self, body: Region) -> list[Selection]:
-        """Find the likely inner parts of a body, split at necks; see `rate_region`."""
-        inner = find_inner_parts(self.values, body, self.voxel_sides)
-        rated = (self.rate_region(part) for one in inner for part in self._split_at_necks(one))
-        return [one for one in rated if one.confidence >= MIN_INNER_CONFIDENCE]
+    def _find_inner_bodies(self, body: Region, at: Index | None = None) -> list[Selection]:
+        """Find the likely inner parts of a body, split at necks; only those that hold a voxel, if one is given."""
+
+        def holds(part: Region) -> bool:
+            return at is None or part.contains(tuple(at.tolist()))
+
+        inner = () if body.is_empty else find_inner_parts(self.values, body, self.voxel_sides)
+        parts = (part for one in inner if holds(one) for part in self._split_at_necks(one) if holds(part))
+        return [one for one in map(self.rate_region, parts) if one.confidence >= MIN_INNER_CONFIDENCE]
 
     def rate_region(self, region: Region) -> Selection:
         """Build the selection of a body, with its deepest voxel as its positive point, and its confidence."""
