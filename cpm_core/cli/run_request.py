@@ -35,7 +35,7 @@ from cpm_core.formats import (
 from cpm_core.formats.common.atomic import check_target, check_writable, find_suffix
 from cpm_core.formats.images.multiscale import MultiscaleImage
 from cpm_core.formats.images.ome_zarr import is_zarr
-from cpm_core.formats.images.readers import open_levels
+from cpm_core.formats.images.readers import open_levels, open_stack
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, SessionFile
 from cpm_core.formats.sessions.session_run import is_volume_session
@@ -71,6 +71,21 @@ _OptionNumbers = Mapping[str, Sequence[tuple[float, ...]]]
 
 _VOLUME_START_SUFFIXES = {*SURFACES_READABLE, *CENTERLINES_WRITABLE}
 """Suffixes of the files of starts that lie in volumes."""
+
+
+_PLANE_OPTIONS = (
+    "session",
+    "circle",
+    "polygon",
+    "stroke",
+    "points",
+    "start",
+    "region",
+    "barrier",
+    "charge",
+    "save_session",
+)
+"""Options by which a plane of a volume is run as an image."""
 
 
 @frozen
@@ -238,7 +253,7 @@ def _names_volume(arguments: argparse.Namespace, session: SessionFile) -> bool:
         arguments.sphere
         or arguments.volume
         or is_volume_session(session)
-        or _names_chunked_volume(arguments)
+        or _opens_volume(arguments)
         or any(Path(path).suffix.lower() in _VOLUME_START_SUFFIXES for path in arguments.start)
     )
 
@@ -251,12 +266,20 @@ def _open_chunked_image(arguments: argparse.Namespace, path: Path) -> Multiscale
     return open_levels(path, Reading(series=series))
 
 
-def _names_chunked_volume(arguments: argparse.Namespace) -> bool:
-    """Tell whether the image of such a run has several planes, none of which is named."""
+def _opens_volume(arguments: argparse.Namespace) -> bool:
+    """Tell whether the image is a volume, where nothing is named that may lie in one of its planes."""
+    path = Path(arguments.image or "")
     if arguments.page or arguments.pages:
         return False
-    levels = _open_chunked_image(arguments, Path(arguments.image or ""))
-    return levels is not None and levels.axis_length("z") > 1
+    levels = _open_chunked_image(arguments, path)
+    if levels is not None:
+        return levels.axis_length("z") > 1
+    places = (*arguments.object, *getattr(arguments, "not"))
+    in_plane = any(text.count(",") != 2 for text in places) or any(getattr(arguments, name) for name in _PLANE_OPTIONS)
+    if in_plane or not path.exists() or not path.name:
+        return False
+    series: Any = arguments.series and parse_number_or_text(arguments.series)
+    return open_stack(path, series).default_plane > 0
 
 
 def _parse_option_numbers(arguments: argparse.Namespace, is_volume: bool) -> _OptionNumbers:
@@ -359,7 +382,10 @@ def _check_whole_run(arguments: argparse.Namespace, path: Path, is_volume: bool)
     refuse_options(arguments, ("scheduler", "workers"), "images in folders of Zarr that are run everywhere, by --auto")
     for target in arguments.export if is_volume else ():
         if find_format_suffix(target) not in VOLUMES_WRITABLE:
-            raise ValueError(f"{target} is for contours, but a volume has a surface: end its name in .ply or .stl.")
+            raise ValueError(
+                f"{target} is for contours, but a volume has a surface: end its name in .ply, .stl or .csv, or name a "
+                "plane by --page."
+            )
     if arguments.pages is None:
         check_exports(arguments.export, arguments, path)
     else:

@@ -116,6 +116,7 @@ FILE_FORMATS: tuple[Format, ...] = (
         contour_csv.encode_vertices,
         "contours as a table of vertices",
         "branches as a table of vertices, with their radii",
+        volume="a table with one row per object inside the surface",
     ),
     Format(
         ".measures.csv",

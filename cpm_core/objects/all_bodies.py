@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
-from cpm_core.image.region import Region
-from cpm_core.numerics.grids import measure_depth
 from cpm_core.numerics.types import Callback
-from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE, rate_body
+from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.volume_partition import VolumePartition
 
@@ -21,12 +17,5 @@ def find_bodies_everywhere(partition: VolumePartition, check: Callback = lambda:
     """
     for number in range(1, int(partition.labels.max()) + 1):
         check()
-        found = (build_body(partition, part) for part in partition.split_body(number))
+        found = partition.split_body(number)
         yield from (one for one in found if number in partition.solid_bodies or one.confidence >= MIN_INNER_CONFIDENCE)
-
-
-def build_body(partition: VolumePartition, region: Region) -> Selection:
-    """Build the selection of a body, with its deepest voxel as its positive point, and its confidence."""
-    depth = measure_depth(region.mask)
-    deepest = np.argwhere(depth == depth.max())[:1] + np.array(region.origin, float)
-    return rate_body(partition.build_selection(region, deepest))

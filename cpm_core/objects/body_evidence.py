@@ -6,30 +6,27 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy
 
 from cpm_core.image.surface import Surface
 from cpm_core.numerics.types import Array
-from cpm_core.objects.background import measure_edge_steps
+from cpm_core.objects.boundaries.background import measure_edge_steps
 from cpm_core.objects.boundaries.necks import measure_hull
 from cpm_core.objects.confidence import BodyFeatures, ChoiceFeatures, estimate_body_confidence, score_choice
 from cpm_core.objects.prior.body_prediction import BodyPrediction
+from cpm_core.objects.prior.stable_regions import MIN_RELATIVE_EDGE, SAME_GAP_SHARE
 from cpm_core.objects.selection import Selection, remark_on_doubt
 
 MIN_INNER_CONFIDENCE = 0.5
 """Least probability with which what lies in a body is an object of its own."""
 
-_MIN_RELATIVE_STEP = 0.35
-"""Rise of gray levels across a surface, in medians of it along the surface, below which there is a gap."""
-
 _LEAST_SURFACE_SHARE = 0.5
 """Least volume within the surface of a body, in the volume of its steps."""
 
-_MAX_THIN_SOLIDITY = 0.3
-"""Largest volume of something thin, such as a tree of vessels, in volumes of its convex hull."""
+_SAME_SCORE = 0.2
+"""Difference between scores of bodies around a click that says nothing; then the one with fewer gaps is meant."""
 
-_SAME_GAP_SHARE = 0.02
-"""Difference between shares of gaps that says nothing."""
+_MAX_THIN_SPHERICITY = 0.4
+"""Largest sphericity of something thin, such as a tree of vessels."""
 
 
 def find_meant_body(
@@ -60,12 +57,13 @@ def find_meant_body(
             found.append((score_choice(features), features, one))
     if not found:
         return build(bodies[0])
-    _, best, meant = max(found, key=lambda each: each[0])
-    if best.solidity < _MAX_THIN_SOLIDITY:
+    most = max(score for score, _, _ in found)
+    _, best, meant = min((one for one in found if one[0] >= most - _SAME_SCORE), key=lambda each: each[1].gap_share)
+    if best.sphericity < _MAX_THIN_SPHERICITY:
         whole = [
             (features.volume, one)
             for _, features, one in found
-            if features.solidity < _MAX_THIN_SOLIDITY and features.gap_share <= best.gap_share + _SAME_GAP_SHARE
+            if features.sphericity < _MAX_THIN_SPHERICITY and features.gap_share <= best.gap_share + SAME_GAP_SHARE
         ]
         _, meant = max(whole, key=lambda each: each[0])
     return meant
@@ -75,9 +73,10 @@ def measure_choice(found: Selection) -> ChoiceFeatures:
     """Measure what tells whether a body around a click is meant; by its surface alone, since this is fast."""
     surface, steps = _measure_steps(found)
     rises = steps * np.sign(np.median(steps)) if len(steps) else steps
+    sphericity = min(np.cbrt(36.0 * np.pi * surface.volume**2) / surface.area, 1.0)
     volume = max(surface.volume / float(np.prod(surface.spacing)), 1.0)
-    gaps = np.count_nonzero(rises < _MIN_RELATIVE_STEP * np.median(rises)) / len(rises) if len(rises) else 1.0
-    return ChoiceFeatures(volume / float(scipy.spatial.ConvexHull(surface.vertices).volume), volume, gaps)
+    gaps = np.count_nonzero(rises < MIN_RELATIVE_EDGE * np.median(rises)) / len(rises) if len(rises) else 1.0
+    return ChoiceFeatures(sphericity, volume, gaps)
 
 
 def rate_body(found: Selection) -> Selection:

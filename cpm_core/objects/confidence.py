@@ -31,6 +31,9 @@ LARGE_AREA = 1100.0
 LARGE_VOLUME = 1000.0
 """Volume above which a larger one makes no difference [voxels]."""
 
+ROUND = 0.65
+"""Sphericity above which a larger one makes no difference, as noise roughens surfaces."""
+
 FAINT = 0.005
 """Strength and variation below which a smaller one makes little difference."""
 
@@ -133,15 +136,15 @@ class ChoiceFeatures(NamedTuple):
 
     Attributes
     ----------
-    solidity : float
-        The volume within its surface, in volumes of its convex hull.
+    sphericity : float
+        The area of a ball of its volume, in areas of its surface.
     volume : float
         The volume within its surface [voxels].
     gap_share : float
         Share of its surface across which gray levels hardly rise.
     """
 
-    solidity: float
+    sphericity: float
     volume: float
     gap_share: float
 
@@ -200,7 +203,7 @@ def estimate_body_confidence(features: BodyFeatures) -> float:
 
 def encode_choice(features: ChoiceFeatures) -> Array:
     """Encode the features of a body around a click as inputs of the score, shape (3,)."""
-    return np.array([features.solidity, np.log(features.volume), features.gap_share])
+    return np.array([np.log(min(features.sphericity, ROUND) + FAINT), np.log(features.volume), features.gap_share])
 
 
 def score_choice(features: ChoiceFeatures) -> float:

@@ -10,9 +10,8 @@ import scipy
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel
 from cpm_core.numerics.types import Array
-from cpm_core.objects.all_bodies import build_body
 from cpm_core.objects.all_objects import build_proposal
-from cpm_core.objects.background import measure_edge_steps
+from cpm_core.objects.boundaries.background import measure_edge_steps
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.boundaries.similar_pixels import find_similar_pixels, measure_radius
 from cpm_core.objects.partition import Partition
@@ -59,7 +58,7 @@ def find_similar_objects(partition: Partition | VolumePartition, chosen: Selecti
 def _build_object(partition: Partition | VolumePartition, region: Region) -> Selection:
     """Build the selection of what has been found."""
     if isinstance(partition, VolumePartition):
-        return build_body(partition, _trim_to_half_level(partition.values, region))
+        return partition.rate_region(_trim_to_half_level(partition.values, region))
     return build_proposal(partition, region.paste(partition.shape))
 
 

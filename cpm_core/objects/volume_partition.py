@@ -31,15 +31,16 @@ from cpm_core.numerics.grids import (
     find_connected_parts,
     first_pixel,
     lie_inside,
+    measure_depth,
     nearest_pixels,
     window_at,
 )
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
-from cpm_core.objects.background import lies_in_background
 from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE, find_meant_body, rate_body
+from cpm_core.objects.boundaries.background import lies_in_background
+from cpm_core.objects.boundaries.inner_parts import find_inner_parts
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
-from cpm_core.objects.inner_parts import find_inner_parts
 from cpm_core.objects.prior.body_corrections import find_changes_near
 from cpm_core.objects.prior.body_prediction import (
     BodyPrediction,
@@ -264,7 +265,7 @@ class VolumePartition:
         wanted, unwanted = self._find_parts(within), self._find_parts(beyond)
         chosen = set(wanted).difference(unwanted)
         if not len(within) and not len(corners):
-            found = self._build_selection(None, within, beyond, _NO_POINT_REMARK)
+            found = self._build_selection(NO_VOXELS, within, beyond, _NO_POINT_REMARK)
         elif None not in wanted and chosen and painted is None and not len(corners):
             remark = _CONFLICTING_BODY_REMARK if not chosen.issuperset(wanted) else ""
             found = replace(self.build_selection(self._unite_parts(chosen), within, beyond), remark=remark)
@@ -273,7 +274,7 @@ class VolumePartition:
             begins = previous is None or not previous.has_boundary
             surface = found.surface
             if begins and surface is not None and len(within) and lies_in_background(self.values, within[0], surface):
-                found = self._build_selection(None, within, beyond, found.remark)
+                found = self._build_selection(NO_VOXELS, within, beyond, found.remark)
         return found if found.has_boundary or found.remark else replace(found, remark=_NO_BODY_REMARK)
 
     def find_candidates(
@@ -315,7 +316,7 @@ class VolumePartition:
             remark = remark if here.all() and there.all() else _OUTSIDE_INTEREST_REMARK
             within, beyond = within[here], beyond[there]
         if not len(within) and not len(box):
-            return self._build_selection(None, inside, outside, remark)
+            return self._build_selection(NO_VOXELS, inside, outside, remark)
         size = self._predictor.voxel_sides
         if self.model and painted is None:
             given = (split_lassos(self._find_nearest_voxels(places), self.shape) for places in (within, beyond))
@@ -323,7 +324,7 @@ class VolumePartition:
             lassos = [*((area, True) for area in around), *((area, False) for area in away)]
             mask = self._served_volume.answer(held, apart, lassos, self._find_nearest_voxels(box))
             if not mask.any():
-                return self._build_selection(None, inside, outside, remark)
+                return self._build_selection(NO_VOXELS, inside, outside, remark)
             places = (
                 held.astype(float) if len(held) else np.array([Region.from_mask(mask).find_innermost_pixel(self.shape)])
             )
@@ -369,10 +370,10 @@ class VolumePartition:
         if painted is not None:
             return replace(self.build_selection(painted, inside, outside), remark=remark)
         if first is not None and body is given and len(inside) == 1 and not len(outside):
-            surface = first.region.surface
+            region = first.region
         else:
-            surface = self._extract_surface(body, within, beyond)
-        return self._build_selection(surface, inside, outside, remark, body)
+            region = self._extract_region(body, within, beyond)
+        return self._build_selection(region, inside, outside, remark, body)
 
     def _find_other_body(
         self, body: BodyPrediction, place: Array, positive: Array, negative: Array
@@ -384,14 +385,15 @@ class VolumePartition:
             return None
         return find_meant_body(fits, positive[0], lambda one: self._show_body(one, place)).prediction
 
-    def _extract_surface(self, body: BodyPrediction, within: Array, beyond: Array) -> Surface:
-        """Extract the surface of a body in the regions of interest."""
+    def _extract_region(self, body: BodyPrediction, within: Array, beyond: Array) -> Region:
+        """Extract what lies within the surface of a body in the regions of interest."""
         image, size, shown = self.image, self._predictor.voxel_sides, body
         if self._interest is not None:
             shown = replace(body, logits=np.minimum(body.logits, logits_from_mask(self._interest, size, body.crop)))
-        return extract_body_surface(
+        surface = extract_body_surface(
             shown, image.values, size, within, beyond, image.spacing, image.unit, self._interest
         )
+        return Region(surface=surface) if len(surface.faces) else NO_VOXELS
 
     def _find_change(self, before: BodyPrediction, after: BodyPrediction, place: Array) -> Region:
         """Find the voxels near a point in which a body differs from what it was before the point."""
@@ -427,17 +429,14 @@ class VolumePartition:
 
     def _build_selection(
         self,
-        surface: Surface | None,
+        region: Region,
         inside: Array,
         outside: Array,
         remark: str,
         prediction: BodyPrediction | None = None,
     ) -> Selection:
-        """Build the selection within a surface; a prediction holds all positive points and no negative one."""
-        if surface is None or not len(surface.faces):
-            return replace(self.build_selection(NO_VOXELS, inside, outside), remark=remark, prediction=prediction)
-        region = Region(surface=surface)
-        if prediction is not None and remark != CONFLICTING_POINT_REMARK:
+        """Build the selection of a region; a prediction holds all positive points and no negative one."""
+        if prediction is not None and not region.is_empty and remark != CONFLICTING_POINT_REMARK:
             beyond, within = (Region.from_pixels(self._find_nearest_voxels(given)) for given in (outside, inside))
             if beyond.count_shared(region) or within.count_shared(region) < within.size:
                 region = region.without(beyond).united(within)
@@ -451,13 +450,18 @@ class VolumePartition:
         return tuple(self._show_body(body, place) for body in self._predict_around(place)[1])
 
     def _predict_around(self, place: Array) -> tuple[Selection, tuple[BodyPrediction, ...]]:
-        """Predict the bodies around a point, shape (1, 3), and find the one that it means."""
+        """Predict the bodies around a point, shape (1, 3), and find the one that it means, or its likely inner part."""
         key = tuple(place[0].tolist())
         known = self._predicted_around.get(key)
         if known is None:
             (at,) = self._clip_points(place) * self._predictor.voxel_sides
             bodies = tuple(self._predictor.predict_bodies(at))
-            known = find_meant_body(bodies, at, lambda body: self._show_body(body, place)), bodies
+            meant = find_meant_body(bodies, at, lambda body: self._show_body(body, place))
+            for inner in self._find_inner_bodies(meant.region, self._find_nearest_voxels(place)[0]):
+                body = body_from_mask(inner.mask, self.voxel_sides)
+                meant = replace(self.build_selection(inner.region, place), prediction=body)
+                bodies = *bodies, body
+            known = meant, bodies
             self._predicted_around.clear()
             self._predicted_around[key] = known
         return known  # another thread may have cleared the others since
@@ -469,8 +473,7 @@ class VolumePartition:
 
     def _show_body(self, body: BodyPrediction, place: Array) -> Selection:
         """Build the selection of a body around a point, shape (1, 3)."""
-        surface = self._extract_surface(body, self._clip_points(place), np.empty((0, 3)))
-        region = Region(surface=surface) if len(surface.faces) else NO_VOXELS
+        region = self._extract_region(body, self._clip_points(place), np.empty((0, 3)))
         return replace(self.build_selection(region, place), prediction=body)
 
     def _clip_points(self, places: Array) -> Array:
@@ -505,24 +508,36 @@ class VolumePartition:
             found[part >= 0] = number[part[part >= 0]]
         return found
 
-    def split_body(self, number: int) -> tuple[Region, ...]:
-        """Split a body at its necks, as where nuclei touch, and into likely inner parts and the rest.
+    def split_body(self, number: int) -> tuple[Selection, ...]:
+        """Split a body at necks, as where nuclei touch, and into likely inner parts and the rest; see `rate_region`.
 
-        One region within the surface where there is neither.
+        One part within the surface where there is neither.
         """
         if number not in self._parts_of_bodies:
             boundary = self.extract_boundary(np.array([number]))
-            found: list[Region] = []
+            found: list[Selection] = []
             for part in self._split_at_necks(Region(surface=boundary)) if len(boundary.faces) else ():
-                inner = [
-                    each
-                    for one in find_inner_parts(self.values, part, self.voxel_sides)
-                    for each in self._split_at_necks(one)
-                    if rate_body(self.build_selection(each)).confidence >= MIN_INNER_CONFIDENCE
-                ]
-                found += [reduce(Region.without, inner, part), *inner]
-            self._parts_of_bodies[number] = tuple(one for one in found if not one.is_empty)
+                inner = self._find_inner_bodies(part)
+                rest = reduce(Region.without, (one.region for one in inner), part)
+                found += [*([] if rest.is_empty else [self.rate_region(rest)]), *inner]
+            self._parts_of_bodies[number] = tuple(found)
         return self._parts_of_bodies[number]
+
+    def _find_inner_bodies(self, body: Region, at: Index | None = None) -> list[Selection]:
+        """Find the likely inner parts of a body, split at necks; only those that hold a voxel, if one is given."""
+
+        def holds(part: Region) -> bool:
+            return at is None or part.contains(tuple(at.tolist()))
+
+        inner = () if body.is_empty else find_inner_parts(self.values, body, self.voxel_sides)
+        parts = (part for one in inner if holds(one) for part in self._split_at_necks(one) if holds(part))
+        return [one for one in map(self.rate_region, parts) if one.confidence >= MIN_INNER_CONFIDENCE]
+
+    def rate_region(self, region: Region) -> Selection:
+        """Build the selection of a body, with its deepest voxel as its positive point, and its confidence."""
+        depth = measure_depth(region.mask)
+        deepest = np.argwhere(depth == depth.max())[:1] + np.array(region.origin, float)
+        return rate_body(self.build_selection(region, deepest))
 
     def _split_at_necks(self, whole: Region) -> tuple[Region, ...]:
         """Split a region at its necks; the region itself where there is none."""
@@ -538,7 +553,7 @@ class VolumePartition:
         return all(number in self._parts_of_bodies for number in self.find_body_numbers(places).tolist())
 
     @cached_property
-    def _parts_of_bodies(self) -> dict[int, tuple[Region, ...]]:
+    def _parts_of_bodies(self) -> dict[int, tuple[Selection, ...]]:
         """The parts of the bodies that have been split, by their numbers."""
         return {}
 
@@ -556,7 +571,7 @@ class VolumePartition:
             self.find_body_numbers(places).tolist(), self._find_nearest_voxels(places), strict=True
         ):
             parts = self.split_body(number) if number else ()
-            inside = [part.contains(tuple(voxel.tolist())) for part in parts] if len(parts) > 1 else [True]
+            inside = [part.region.contains(tuple(voxel.tolist())) for part in parts] if len(parts) > 1 else [True]
             found.append((number, inside.index(True)) if number and any(inside) else None)
         return found
 
@@ -569,7 +584,7 @@ class VolumePartition:
         boundary = self.extract_boundary(np.array(whole, np.int64))
         regions = [Region(surface=boundary)] if len(boundary.faces) else []
         for number in sorted(set(of_body).difference(whole)):
-            regions += [self.split_body(number)[part] for part in sorted(of_body[number])]
+            regions += [self.split_body(number)[part].region for part in sorted(of_body[number])]
         return reduce(Region.united, regions) if regions else NO_VOXELS
 
     def extract_boundary(self, chosen: Index) -> Surface:

@@ -117,6 +117,8 @@ def list_export_formats(
     lacking = {*_ALIAS_SUFFIXES, *_OMITTED_SUFFIXES.get(kind, "").split()}
     if getattr(sys, "frozen", False) and not has_package("matplotlib"):
         lacking |= FIGURE_SUFFIXES
+    if writable is VOLUMES_WRITABLE:
+        lacking.add(".csv")  # the same as .table.csv
     if not of_dicom or not has_package("highdicom"):
         lacking.add(".seg.dcm")
     known = {suffix: name for suffix, name in names.items() if suffix in writable}

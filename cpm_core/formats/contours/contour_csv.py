@@ -36,7 +36,7 @@ _REQUIRED_COLUMNS = {"closed", "row", "col"}
 
 
 def encode_vertices(result: Outcome) -> bytes:
-    """Tabulate the vertices of all contours, one per row.
+    """Tabulate the vertices of all contours, one per row; of a volume it is the table of `encode_object_table`.
 
     Columns: ``contour`` (number), ``closed`` (TRUE or FALSE; the first vertex is not repeated), ``label`` (in the label
     mask, 0 when open), ``strength`` (mean edge strength [gray levels / px]), ``vertex`` (from 1), ``row`` and ``col``
@@ -46,6 +46,8 @@ def encode_vertices(result: Outcome) -> bytes:
     with its label in the branch mask, without contrast, and with a column ``radius``: the distance to the boundary
     [px]. Provenance is in the first row only, because a table may have a hundred thousand.
     """
+    if not isinstance(result, Skeleton) and result.surface is not None:
+        return encode_object_table(result)
     return encode_csv_rows(
         _build_vertex_rows(result), ("contour", "closed", "label", "strength", "vertex", "row", "col")
     )

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import reduce
 
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import nearest_pixels, window_around
+from cpm_core.numerics.grids import compute_iou, nearest_pixels, window_around
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Index, Mask, Single
 from cpm_core.objects.prior.body_prediction import EXCLUDED_LOGIT, MAX_LOGIT, BodyPrediction
@@ -21,7 +22,7 @@ _GRAY_TOLERANCES = 8.0 * 1.25 ** np.arange(12)
 _MAX_STABLE_GROWTH = 0.2
 """Largest growth of the logarithm of a volume from one tolerance to the next where it is stable."""
 
-_BRIDGE_RADII = 1.5 ** np.arange(5)
+_BRIDGE_RADII = range(1, 6)
 """Radii of the bridges that are cut one after another [steps twice as long]."""
 
 _MAX_CUT_SIZE = 0.8
@@ -36,8 +37,14 @@ _MIN_OPENED_SIZE = 500
 _OPENED_MARGIN = 2
 """Distance up to which gray levels widen an opened region [steps twice as long]."""
 
-_MIN_RELATIVE_EDGE = 0.35
+_THIN_BRIDGE_RADIUS = 3
+"""Radius of the bridges that gray levels lead over, which are cut last [steps]."""
+
+MIN_RELATIVE_EDGE = 0.35
 """Strength of an edge, in medians around a region, below which there is a gap."""
+
+SAME_GAP_SHARE = 0.02
+"""Difference between shares of gaps that says nothing."""
 
 
 def find_stable_regions(context: CropContext) -> Iterator[Mask]:
@@ -70,36 +77,59 @@ def predict_opened_body(context: CropContext, before: BodyPrediction | None = No
 
     So a brain is found in a head. On steps twice as long, bridges of growing width are cut from what lies within each
     tolerance of the gray levels of the points (morphological opening) until hardly more is lost. Of these regions that
-    hold all positive and no negative points it is the one most like a body before, or else with the fewest gaps in the
-    edges around it; None if there is none. What is not near it stays outside in corrections, too, although gray levels
-    lead there.
+    hold all positive and no negative points it is the one most like a body before, or else, of those with the fewest
+    gaps in the edges around them, the one that grows least with the next tolerance; None if there is none. Gray levels
+    widen it a little, and thin bridges to where they lead are cut again; beyond these it stays outside in corrections.
     """
     grays = scipy.ndimage.gaussian_filter(average_blocks(context.grays, 2), 0.5)
-    edges = scipy.ndimage.maximum_filter(scipy.ndimage.gaussian_gradient_magnitude(grays, 0.5), 3)
     inner, outer = (nearest_pixels(0.5 * steps - 0.25, grays.shape) for steps in (context.positive, context.negative))
     levels = [np.median(grays[window_around(step, 1)]) for step in inner]
     difference = np.abs(grays - np.clip(grays, min(levels), max(levels)))
     for axis, (first, last) in enumerate((context.inner_steps // 2).tolist()):
         slices = np.moveaxis(difference, axis, 0)
         slices[:first], slices[last + 1 :] = np.inf, np.inf
-    known = None if before is None else average_blocks((before.logits > 0.0).astype(np.float32), 2) > 0.5
-    best, least = None, np.inf
-    for tolerance in _GRAY_TOLERANCES:
-        region = _cut_bridges(difference < tolerance, inner[0])
-        if region is not None and region[tuple(inner.T)].all() and not region[tuple(outer.T)].any():
-            if known is None:
-                rim = edges[scipy.ndimage.binary_dilation(region) & ~scipy.ndimage.binary_erosion(region)]
-                cost = float(np.mean(rim < _MIN_RELATIVE_EDGE * np.median(rim)))
-            else:
-                cost = float(np.count_nonzero(region ^ known))
-            if cost < least:
-                best, least = region, cost
-    if best is None:
+    opened = {tolerance: _cut_bridges(difference < tolerance, inner[0]) for tolerance in _GRAY_TOLERANCES.tolist()}
+    fits = {
+        tolerance: region
+        for tolerance, region in opened.items()
+        if region is not None and region[tuple(inner.T)].all() and not region[tuple(outer.T)].any()
+    }
+    if not fits:
         return None
-    near = scipy.ndimage.binary_dilation(best, iterations=_OPENED_MARGIN)
-    coarse = np.where(best, MAX_LOGIT, np.where(near, -MAX_LOGIT, EXCLUDED_LOGIT)).astype(np.float32)
-    logits = repeat_blocks(coarse, 2)
-    return BodyPrediction(context.crop, logits, refine_by_intensity(context, logits))
+    if before is None:
+        tolerance = _find_clearest(fits, grays)
+    else:
+        known = average_blocks((before.logits > 0.0).astype(np.float32), 2) > 0.5
+        tolerance = min(fits, key=lambda each: np.count_nonzero(fits[each] ^ known))
+    best, leads = fits[tolerance], difference < tolerance
+    near, reached = (scipy.ndimage.binary_dilation(best, None, _OPENED_MARGIN, within) for within in (None, leads))
+    coarse = np.where(best, MAX_LOGIT, np.where(near & (reached | ~leads), -MAX_LOGIT, EXCLUDED_LOGIT))
+    slice_logits = repeat_blocks(coarse.astype(np.float32), 2)
+    logits = refine_by_intensity(context, slice_logits)
+    inside = logits > 0.0
+    left = _open_around(inside, nearest_pixels(context.positive[0], inside.shape), _THIN_BRIDGE_RADIUS)
+    if left is not None:
+        slice_logits, logits = (
+            np.where(inside & ~left, np.float32(low), values)
+            for low, values in ((EXCLUDED_LOGIT, slice_logits), (-MAX_LOGIT, logits))
+        )
+    return BodyPrediction(context.crop, slice_logits, logits)
+
+
+def _find_clearest(regions: dict[float, Mask], grays: Single) -> float:
+    """Find the tolerance whose region, of those with the fewest gaps around them, grows least with the next one."""
+    edges = scipy.ndimage.maximum_filter(scipy.ndimage.gaussian_gradient_magnitude(grays, 0.5), 3)
+    gaps = {}
+    for tolerance, region in regions.items():
+        rim = edges[scipy.ndimage.binary_dilation(region) & ~scipy.ndimage.binary_erosion(region)]
+        gaps[tolerance] = float(np.mean(rim < MIN_RELATIVE_EDGE * np.median(rim)))
+    least, grown = min(gaps.values()), [*list(regions.values())[1:], np.zeros_like(grays, np.bool_)]
+    same = {
+        tolerance: compute_iou(region, larger)
+        for (tolerance, region), larger in zip(regions.items(), grown, strict=True)
+        if gaps[tolerance] <= least + SAME_GAP_SHARE
+    }
+    return max(same, key=lambda each: same[each])
 
 
 def _cut_bridges(mask: Mask, step: Index) -> Mask | None:
@@ -112,20 +142,28 @@ def _cut_bridges(mask: Mask, step: Index) -> Mask | None:
     most = _MAX_CUT_SIZE * np.count_nonzero(before)
     if most < _MIN_OPENED_SIZE:
         return None
-    depth = scipy.ndimage.distance_transform_edt(mask)
     for radius in _BRIDGE_RADII:
-        parts, _ = scipy.ndimage.label(depth > radius)
-        counts = np.bincount(parts[window_around(step, int(radius))].ravel())
-        if not counts[1:].any():
+        region = _open_around(mask, step, radius)
+        size = 0 if region is None else np.count_nonzero(region)
+        if region is None or size < _MIN_OPENED_SIZE:
             return None
-        region = (scipy.ndimage.distance_transform_edt(parts != 1 + counts[1:].argmax()) <= radius) & mask
-        size, left = np.count_nonzero(region), np.count_nonzero(before)
-        if size < _MIN_OPENED_SIZE:
-            return None
+        left = np.count_nonzero(before)
         if size >= _MIN_STABLE_SIZE * left and left <= most:
             return before
         before = region
     return None
+
+
+def _open_around(mask: Mask, step: Index, radius: int) -> Mask | None:
+    """Open a mask by a ball (morphological opening), and find the part that is left near a step; None without one."""
+    balls = [scipy.ndimage.generate_binary_structure(3, 1 + number % 2) for number in range(radius)]
+    core = reduce(lambda left, ball: scipy.ndimage.binary_erosion(left, ball, border_value=1), balls, mask)
+    parts, _ = scipy.ndimage.label(core)
+    counts = np.bincount(parts[window_around(step, radius)].ravel())
+    if not counts[1:].any():
+        return None
+    part = parts == 1 + counts[1:].argmax()
+    return np.asarray(reduce(scipy.ndimage.binary_dilation, reversed(balls), part) & mask)
 
 
 def _find_largest_beside(values: Single) -> Single:

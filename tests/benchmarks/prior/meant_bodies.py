@@ -83,18 +83,26 @@ def organ(rng: Generator) -> tuple[Array, Mask]:
     return seen, organs[rng.integers(len(organs))]
 
 
-def brain(rng: Generator) -> tuple[Array, Mask]:
-    """A brain of two tissues within bone and skin."""
-    within = _distances((SIDE,) * 3, SIDE / 2.0 + rng.uniform(-3.0, 3.0, 3), SIDE * rng.uniform(0.22, 0.32, 3)) < 1.0
-    away, folds = scipy.ndimage.distance_transform_edt(~within), _smooth(rng, within.shape, rng.uniform(1.5, 3.0))
-    bone, level = rng.uniform(1.5, 3.0), rng.uniform(80.0, 110.0)
-    values = np.where(away < bone + rng.uniform(2.0, 5.0), rng.uniform(110.0, 160.0), 8.0)
-    values[away < bone], values[within] = rng.uniform(15.0, 40.0), level
+def brain(rng: Generator, touching: bool) -> tuple[Array, Mask]:
+    """A brain of two tissues around a lesion, in bone and skin, which it may touch, cut by the end of the volume."""
+    side = int(rng.integers(56, 96))
+    shape = (side, int(side * rng.uniform(1.0, 1.3)), side)
+    middle = np.array(shape) * (0.5 + rng.uniform(-0.12, 0.12, 3)) - 0.5
+    away = _distances(shape, middle, np.array(shape) * rng.uniform(0.26, 0.38, 3))
+    within = away + rng.uniform(0.0, 0.1) * _smooth(rng, shape, 0.12 * side) < 1.0
+    away, folds = scipy.ndimage.distance_transform_edt(~within), _smooth(rng, shape, rng.uniform(1.5, 3.0))
+    bone = side * rng.uniform(0.03, 0.06) * (1.0 + 0.25 * _smooth(rng, shape, 0.1 * side)).clip(0.4)
+    level = rng.uniform(80.0, 110.0)
+    values = np.where(away < bone + side * rng.uniform(0.04, 0.08), rng.uniform(115.0, 160.0), 8.0)
+    gaps = _smooth(rng, shape, rng.uniform(0.03, 0.08) * side) > rng.uniform(1.0, 2.0)
+    values[(away < bone) & ~(gaps & touching)], values[within] = rng.uniform(15.0, 40.0), level
     values[within & (folds > rng.uniform(0.2, 0.6))] = level + rng.uniform(15.0, 35.0)
-    shade = 1.0 + 0.08 * _smooth(rng, within.shape, 20.0)
-    return scipy.ndimage.gaussian_filter(values, 0.7) * shade + rng.normal(
-        0.0, rng.uniform(2.0, 10.0), shade.shape
-    ), within
+    lesion = within & (_distances(shape, middle + rng.uniform(-0.15, 0.15, 3) * side) < side * rng.uniform(0.0, 0.09))
+    values[lesion] = rng.uniform(20.0, 200.0)
+    within &= ~lesion
+    shade = 1.0 + 0.08 * _smooth(rng, shape, 0.3 * side)
+    noise = rng.normal(0.0, rng.uniform(2.0, 10.0), shape)
+    return scipy.ndimage.gaussian_filter(values, 0.7) * shade + noise, within
 
 
 def _distances(shape: Extent, center: Array, axes: Array | float = 1.0) -> Array:
@@ -115,7 +123,8 @@ def volumes(seed: int) -> Iterator[tuple[str, Array, Mask]]:
     yield "even", *clump(rng, even=True)
     yield "balls", *balls(rng)
     yield "organ", *organ(rng)
-    yield "brain", *brain(rng)
+    yield "brain", *brain(rng, touching=False)
+    yield "head", *brain(rng, touching=True)
 
 
 def candidates(seed: int) -> Iterator[tuple[str, Array, Mask]]:
@@ -164,7 +173,7 @@ def main() -> None:
     path = Path(confidence.__file__).with_name("confidence_bodies.json")
     origin = {
         "choice": [round(number, 2) for number in learned(clicks).tolist()],
-        "features of the choice": "solidity, log of volume, share of gaps",
+        "features of the choice": "log of sphericity, log of volume, share of gaps",
         "clicks": len(clicks),
         "script of the choice": "tests/benchmarks/prior/meant_bodies.py",
     }

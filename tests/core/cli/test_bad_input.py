@@ -37,7 +37,7 @@ BAD = [
     ("fly disk.png", "fly"),
     ("run disk.png", "No start"),
     ("run text.png --circle 40,50,12", "of an unknown kind"),
-    ("run ball.npy --object 9,9,9", "add --volume"),
+    ("run disk.png --object 9,9,9", "add --volume"),
     (f"run disk.png {CIRCLE} --cicle 1,2,3", "cpm run has no option --cicle: did you mean --circle?"),
     (f"run disk.png {CIRCLE} --preset shpae", "did you mean shape?"),
     (f"run disk.png {CIRCLE} --edges vesels", "did you mean vessels?"),

@@ -190,3 +190,20 @@ def test_parts_of_a_file_are_chosen_by_number(hyperstack, told, command):
     assert err.startswith("cpm: hyper.tif: ") and "2 channels" in err and err.count("\n") == 1
     part = ("--page", "10", "--channel", "2", "--time", "2", "--scales", 2)
     assert told("run", hyperstack, "--circle", "9.5,9.5,3", *part)["closed"] == 1
+
+
+def test_a_volume_is_run_as_one_unless_something_in_a_plane_is_named(folder, command, tmp_path):
+    found = []
+    for more in ((), ("--volume",)):
+        table = tmp_path / f"{len(found)}.csv"
+        status, out, err = command("run", folder / "ball.npy", "--objects", *more, "--export", table, "--json")
+        assert (status, json.loads(out)["left_out"] if "left_out" in out else {}) == (0, {}), err
+        found.append(table.read_text().splitlines())
+    assert found[0] == found[1]
+    assert "volume" in found[0][0] and len(found[0]) == 2
+    for name, options in (("ball.npy", ("--page", 11)), ("disk.npy", ())):
+        np.save(folder / "disk.npy", np.load(folder / "ball.npy")[10])
+        status, out, _ = command("run", folder / name, "--auto", "grid", *options, "--export", tmp_path / "a.svg")
+        assert (status, "px" in out) == (0, True)
+    status, _, err = command("run", folder / "ball.npy", "--auto", "grid", "--export", tmp_path / "b.svg")
+    assert (status, "--page" in err) == (2, True)

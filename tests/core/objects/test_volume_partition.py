@@ -19,6 +19,7 @@ from cpm_core.objects.prior.body_prediction import BodyPrediction
 from cpm_core.objects.prior.crops import Crop3D
 from cpm_core.objects.segmented import SegmentedObject
 from tests.benchmarks.prior.bodies import scan
+from tests.benchmarks.prior.meant_bodies import brain
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
 SHELL, LONE = np.array([13.0, 14.0, 20.0]), np.array([34.0, 14.0, 20.0])
@@ -254,6 +255,16 @@ def test_a_click_deep_in_what_touches_its_surroundings_in_many_places_gives_it_w
     assert _dice(first.mask, ball) > 0.9
     for further in ({"inside": [(35, 35, 20)]}, {"outside": [(35, 35, 8)]}):
         assert _dice(there.select(**further, previous=first).mask, ball) > 0.9
+
+
+@pytest.mark.parametrize("seed", [1103, 1108])
+def test_a_click_deep_in_a_brain_that_the_end_of_the_volume_cuts_and_skin_touches_gives_the_brain(seed):
+    rng = np.random.default_rng(seed)
+    brain(rng, touching=False)
+    values, inside = brain(rng, touching=True)
+    depth = scipy.ndimage.distance_transform_edt(inside)
+    found = cpm.partition(values).select([np.argwhere(depth == depth.max())[0]])
+    assert _dice(found.mask, inside) > 0.9
 
 
 def test_a_click_outside_a_part_prefers_another_body_around_the_first_click_to_a_dent():

@@ -67,7 +67,7 @@ def test_an_image_has_no_figures_of_a_surface(window) -> None:
 
 def test_surface_labels_and_particles_are_exported_at_once(found, hand, tmp_path) -> None:
     dialog = asked(hand.qtbot, found)
-    assert {*list_export_formats("surface")} == set(VOLUMES_WRITABLE) - {".tiff", ".nii", ".seg.dcm"}
+    assert {*list_export_formats("surface")} == set(VOLUMES_WRITABLE) - {".csv", ".tiff", ".nii", ".seg.dcm"}
     check(hand.qtbot, dialog, *(f"surface:{suffix}" for suffix in list_export_formats("surface")))
     assert "a surface of " in dialog.summary.text()
     assert dialog.windowTitle() == "Export surface"

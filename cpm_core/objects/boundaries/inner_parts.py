@@ -8,9 +8,9 @@ import numpy as np
 import scipy
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel, measure_depth
+from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel
 from cpm_core.numerics.types import Array
-from cpm_core.objects.background import measure_level
+from cpm_core.objects.boundaries.background import measure_level
 
 _EDGE_WIDTH = 4
 """Width of the rim of a body in which its own edge is seen [smallest sides of a voxel]."""
@@ -30,7 +30,9 @@ def find_inner_parts(values: Array, body: Region, sides: Array) -> Iterator[Regi
     body = body.clipped(values.shape)
     window, inside = body.window, body.mask
     smooth = scipy.ndimage.gaussian_filter(values[window], 1.0 / sides)
-    inner = measure_depth(inside, sides) > _EDGE_WIDTH
+    widths = (2 * np.ceil(_EDGE_WIDTH / sides).astype(int) + 1).tolist()
+    # boxes instead of balls take a tenth of the time
+    inner = scipy.ndimage.minimum_filter(inside, widths, mode="constant")
     if not inner.any():
         return
     level, noise = measure_level(smooth[inner], float(np.ptp(values)))
