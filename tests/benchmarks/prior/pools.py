@@ -23,9 +23,17 @@ REGIONS, REGIONS_OF_SAMPLES, MADE_UP, DRAWN, NESTED, THIN, TILED = 1400, 300, 30
 TISSUE, RADIOGRAPHS, MICROGRAPHS, SONOGRAMS = 2000, 2000, 2500, 1500
 """How many there are of each."""
 
-SEED, SEED_OF_SAMPLES, SEED_OF_DRAWINGS, SEED_OF_LINES, SEED_OF_TISSUE, SEED_OF_CELLS = 5, 6, 11, 12, 13, 14
+SEED, SEED_OF_SAMPLES, SEED_OF_DRAWINGS, SEED_OF_LINES, SEED_OF_TISSUE, SEED_OF_CELLS, SEED_OF_BONES = (
+    5,
+    6,
+    11,
+    12,
+    13,
+    14,
+    15,
+)
 """Seeds of scenes without drawings, of the regions of scikit-image's samples, of scenes with drawings, of lines, of
-tissue and radiographs, and of micrographs and sonograms."""
+tissue, of micrographs and sonograms, and of radiographs."""
 
 _GROUND = 200
 """Pixels along each side of photographs that become grounds."""
@@ -56,7 +64,9 @@ def pools(outlined: Sequence[Path], drawn_folders: Sequence[Path]) -> dict[str, 
     rng = np.random.default_rng(SEED_OF_LINES)
     lines, tiles = [thin(rng) for _ in range(THIN)], [tiled(rng) for _ in range(TILED)]
     rng = np.random.default_rng(SEED_OF_TISSUE)
-    sections, exposures = [tissue(rng) for _ in range(TISSUE)], [radiograph(rng) for _ in range(RADIOGRAPHS)]
+    sections = [tissue(rng) for _ in range(TISSUE)]
+    rng = np.random.default_rng(SEED_OF_BONES)
+    exposures = [radiograph(rng) for _ in range(RADIOGRAPHS)]
     rng = np.random.default_rng(SEED_OF_CELLS)
     cells, lesions = [micrograph(rng) for _ in range(MICROGRAPHS)], [sonogram(rng) for _ in range(SONOGRAMS)]
     scenes = {"regions": found, "made_up": shapes, "drawn": pasted, "nested": seen_through}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import cv2
@@ -17,53 +18,124 @@ from tests.benchmarks.prior.textures import blurred, log_uniform, noise, texture
 _MIN_AREA = 120
 """Pixels of the smallest object."""
 
-_ENDS = 0.22
-"""Share of the length of a long bone in which it widens, at either end."""
+
+@dataclass(frozen=True, eq=False)
+class _Chain:
+    """Bones in a row, as in a finger or a limb.
+
+    Attributes
+    ----------
+    bones : list of ndarray of bool
+        The bones.
+    axis : ndarray of shape (N, 2)
+        Points along the middle of all of them (row, col), from the root to the tip.
+    width : float
+        Half the width of the first bone [px].
+    """
+
+    bones: list[Mask]
+    axis: Array
+    width: float
 
 
 def radiograph(rng: Generator, side: int = 192) -> Example:
     """One of several bones in flesh, each of which adds to what absorbs."""
     while True:
-        bones = _chains(side, rng)
+        chains = _chains(side, rng)
+        bones = [bone for chain in chains for bone in chain.bones]
         if rng.random() < 0.5:
             bones += _short_bones(side, rng)
         bones = [bone for bone in bones if bone.sum() >= _MIN_AREA]
         if not bones:
             continue
-        image = _exposed(bones, rng)
+        image = _exposed(bones, _flesh(chains, bones, rng), rng)
         hidden = np.sum(bones, axis=0) > 1
         fitting = [bone for bone in bones if bone.mean() < 0.5 and (bone & hidden).sum() < 0.3 * bone.sum()]
         if fitting:
             return Example(image, fitting[rng.integers(len(fitting))])
 
 
-def _chains(side: int, rng: Generator) -> list[Mask]:
+def _chains(side: int, rng: Generator) -> list[_Chain]:
     """One to five chains of long bones beside one another, such as fingers, or one or two bones of a limb."""
     count = rng.integers(1, 6)
     width = log_uniform(0.025, 0.12, rng) * side
     ahead = rng.uniform(0, FULL_TURN)
     across = ahead + np.pi / 2
     spread = rng.uniform(-0.02, 0.15)
-    bones = []
+    growing = rng.random() < 0.4
+    chains = []
     for number in range(count):
         place = rng.uniform(0.4, 0.6, 2) * side - 0.5 * side * rng.uniform(0.3, 1) * direction(ahead)
         place = place + (number - (count - 1) / 2) * width * rng.uniform(3.2, 4.5) * direction(across)
         angle = ahead + (number - (count - 1) / 2) * spread
         wide, long = width * rng.uniform(0.85, 1.15), width * rng.uniform(5, 14)
+        bones, axis, root = [], [place], wide
         for _ in range(rng.integers(1, 5)):
+            if growing and rng.random() < 0.7:
+                cap, plate = wide * rng.uniform(0.4, 0.9), wide * rng.uniform(0.1, 0.35)
+                bones.append(_end_cap(side, place, angle, cap, wide * rng.uniform(1.1, 1.6), rng))
+                place = place + (cap + plate) * direction(angle)
             bones.append(_long_bone(side, place, angle, long, wide, rng))
             gap = rng.uniform(-0.12, 0.5) * wide
             place = place + (long + gap) * direction(angle)
+            axis.append(place)
             angle += rng.normal(0, 0.12)
             wide, long = wide * rng.uniform(0.75, 1), max(long * rng.uniform(0.55, 0.85), 2.5 * wide)
-    return bones
+        chains.append(_Chain(bones, np.array(axis), root))
+    return chains
+
+
+def _end_cap(side: int, start: Array, angle: float, length: float, half: float, rng: Generator) -> Mask:
+    """The end of a bone that still grows, which a thin dark line parts from the shaft: wide, short, rounded."""
+    angles = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    power = rng.uniform(0.4, 1)
+    along, across = (np.sign(each) * np.abs(each) ** power for each in (np.cos(angles), np.sin(angles)))
+    middle = start + length / 2 * direction(angle)
+    turned = length / 2 * along[:, None] * direction(angle) + half * across[:, None] * direction(angle + np.pi / 2)
+    return within(side, middle + turned)
+
+
+def _flesh(chains: list[_Chain], bones: list[Mask], rng: Generator) -> Single:
+    """How thick the flesh is, 1 at most: a haze around the bones, or limbs that end sharply and a palm between them."""
+    side = len(bones[0])
+    everything = np.any(bones, axis=0)
+    kind = rng.random()
+    if kind < 0.15:
+        return np.ones((side, side), np.float32)
+    if kind < 0.4:
+        reach = side * rng.uniform(0.03, 0.14)
+        return np.clip(1 - _distance(~everything) / reach, 0, 1) ** rng.uniform(0.3, 1)
+    thick = np.zeros((side, side), np.float32)
+    around = rng.uniform(1.6, 3.2)
+    for chain in chains:
+        line = np.ones((side, side), np.uint8)
+        cv2.polylines(line, [np.round(chain.axis[:, ::-1]).astype(np.int32)], isClosed=False, color=0)
+        thick = np.maximum(thick, _rounded(_distance(line > 0) / (around * chain.width)))
+    if rng.random() < 0.6:
+        ends = np.concatenate([chain.axis[: rng.integers(1, 3)] for chain in chains])
+        corners = np.concatenate([ends, *(np.argwhere(bone).astype(float) for bone in bones if bone.mean() < 0.01)])
+        palm = np.ones((side, side), np.uint8)
+        cv2.fillConvexPoly(palm, cv2.convexHull(np.round(corners[:, ::-1]).astype(np.int32)), 0)
+        reach = around * chains[0].width * rng.uniform(0.8, 2)
+        thick = np.maximum(thick, rng.uniform(0.9, 1.6) * _rounded(_distance(palm > 0) / reach))
+    return thick
+
+
+def _distance(mask: Mask) -> Single:
+    """Distance of each pixel of a mask from the others."""
+    return cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 5)
+
+
+def _rounded(distance: Single) -> Single:
+    """Thickness of a round body, 1 in its middle, at shares of its radius from there."""
+    return np.sqrt(1 - np.minimum(distance, 1) ** 2)
 
 
 def _long_bone(side: int, start: Array, angle: float, length: float, width: float, rng: Generator) -> Mask:
     """A shaft that is narrow in its middle, a little bent, with round ends, one of them wider."""
     along = np.linspace(0, 1, 48)
-    ends = rng.uniform(1.15, 1.9, 2)
-    near = [np.clip(1 - each / _ENDS, 0, 1) ** 1.5 for each in (along, 1 - along)]
+    ends, reach = rng.uniform(1.15, 2.2, 2), rng.uniform(0.18, 0.5)
+    near = [np.clip(1 - each / reach, 0, 1) ** 1.5 for each in (along, 1 - along)]
     half = width * (1 + (ends[0] - 1) * near[0] + (ends[1] - 1) * near[1])
     # a round end: the width falls to 0 within half of it
     rest = np.minimum(along, 1 - along) * length
@@ -91,14 +163,10 @@ def _short_bones(side: int, rng: Generator) -> list[Mask]:
     return bones
 
 
-def _exposed(bones: list[Mask], rng: Generator) -> Pixels:
+def _exposed(bones: list[Mask], flesh: Single, rng: Generator) -> Pixels:
     """Gray levels of an exposure, brighter where more is absorbed, in an image of one channel."""
     side = len(bones[0])
-    everything = np.any(bones, axis=0)
-    reach = side * rng.uniform(0.03, 0.14)
-    outside = cv2.distanceTransform((~everything).astype(np.uint8), cv2.DIST_L2, 5)
-    flesh = np.clip(1 - outside / reach, 0, 1) ** rng.uniform(0.3, 1) if rng.random() < 0.8 else np.ones((side, side))
-    flesh = blurred(flesh.astype(np.float32), 2) * rng.uniform(0.2, 1.2)
+    flesh = blurred(flesh, rng.uniform(0.5, 2)) * rng.uniform(0.2, 2)
     absorbed = flesh + texture(side, rng) * rng.uniform(0, 0.08) + noise(side, side / 2, rng) * rng.uniform(0, 0.15)
     amount, wall, grain = rng.uniform(0.3, 1.3), rng.uniform(0.08, 0.35), rng.uniform(0.02, 0.2)
     rim_share = rng.uniform(0.2, 0.8)
@@ -112,11 +180,14 @@ def _exposed(bones: list[Mask], rng: Generator) -> Pixels:
 
 
 def _absorbing(bone: Mask, wall: float, rim_share: float, grain: float, rng: Generator) -> NDArray[Any]:
-    """What a bone absorbs: more in its wall, which is thin at the ends, and beams in its marrow."""
-    depth: Single = cv2.distanceTransform(bone.astype(np.uint8), cv2.DIST_L2, 5)
+    """What a bone absorbs: more in its wall, which fades where the bone is wide, and beams in its marrow."""
+    depth = _distance(bone)
     thickness = max(float(depth.max()) * wall, 1.0)
     rim = np.exp(-(((depth - thickness) / thickness) ** 2))
     uneven = np.clip(0.9 + 0.35 * noise(len(bone), max(depth.max() * 3, 4), rng), 0.2, 1.4)
     beams = grain * noise(len(bone), rng.uniform(1.5, 4), rng)
-    edge = np.clip(depth / 1.5, 0, 1)
-    return edge * ((1 - rim_share) + rim_share * rim * uneven + beams) * bone
+    # the wall of a shaft is thick, that of its ends like paper: they fade into what lies around them
+    size = blurred(np.where(bone, cv2.dilate(depth, np.ones((9, 9), np.uint8)), 0).astype(np.float32), 4)
+    fade = 1 - rng.uniform(0, 0.7) * np.clip(size / (size.max() + 1e-6) * 1.5 - 0.5, 0, 1)
+    edge = np.clip(depth / rng.uniform(1, 4), 0, 1)
+    return edge * fade * ((1 - rim_share) + rim_share * rim * uneven + beams) * bone
