@@ -146,6 +146,8 @@ class VolumePartition:
     >>> chosen = bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
     >>> chosen
     <Selection ball, 1 part>
+    >>> bool(bodies.rate_region(chosen.region).confidence > 0.5)
+    True
     >>> half = bodies.remove_pixels(chosen, np.indices((31, 31, 31))[0] > 15)
     >>> [float(row) for row, *_ in half.region.bounds]
     [6.0, 15.0]

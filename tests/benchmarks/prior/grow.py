@@ -49,7 +49,7 @@ from tests.benchmarks.prior.pools import pools
 from tests.benchmarks.prior.prompts import Chance, Prompt, View, first_prompt, view
 
 SHARES = {
-    "people": 0.42,
+    "people": 0.46,
     "regions": 0.05,
     "made_up": 0.06,
     "drawn": 0.12,
@@ -57,7 +57,7 @@ SHARES = {
     "thin": 0.045,
     "tiled": 0.045,
     "tissue": 0.04,
-    "radiographs": 0.08,
+    "radiographs": 0.04,
     "micrographs": 0.05,
     "sonograms": 0.03,
 }
