@@ -113,6 +113,9 @@ class ObjectFollower:
             sought.append(
                 _SoughtObject(replace(_find_outer_contour(one), number=each), one.mask, self._values, speed, seen)
             )
+        for jumped in [one for one in sought if one.has_jumped]:
+            if any(other.is_nearer_to(jumped) for other in sought):
+                jumped.stay_where_expected()
         found = _find_sought_objects(sought, page, check)
         taken = np.logical_or.reduce([one.mask for one in found])
         before, now = [one.select_boundary(taken) for one in sought], [_find_outer_contour(one) for one in found]
@@ -185,9 +188,28 @@ class _SoughtObject:
     def __init__(self, outer: Contour, mask: Mask, values: Array, speed: Index, seen: Index) -> None:
         self._bounds = [replace(outer, points=outer.points + by) for by in (speed, seen)]
         self.expected, self.mask = _shift_mask(mask, speed), _shift_mask(mask, seen)
+        self._away = float(np.hypot(*(seen - speed)))
         self._pieces = len(_find_large_pieces(mask))
         self._contrast = _measure_contrast(mask, values)
         self._distinct = abs(self._contrast) > values[mask].std()
+
+    @property
+    def has_jumped(self) -> bool:
+        """Whether it is seen apart from where it was expected."""
+        return bool(self.mask.any() and not (self.mask & self.expected).any())
+
+    def is_nearer_to(self, other: _SoughtObject) -> bool:
+        """Return whether it is seen where another object is, but was expected nearer to there."""
+        if self._away >= other._away:
+            return False
+        low, high = true_bounds(other.mask)
+        box = tuple(map(slice, low, high + 1))
+        shared, own = np.count_nonzero(self.mask[box] & other.mask[box]), np.count_nonzero(self.mask)
+        return bool(shared > MIN_PART_FRACTION * max(own, np.count_nonzero(other.mask[box])))
+
+    def stay_where_expected(self) -> None:
+        """Seek it only where it was expected: what looks like it elsewhere is another object."""
+        self.mask, self._bounds = self.expected, self._bounds[:1] * 2
 
     def select_boundary(self, taken: Mask) -> Contour:
         """Select its boundary where it was expected, or where it is seen if nothing has been found there.

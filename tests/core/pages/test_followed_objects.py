@@ -90,6 +90,27 @@ def test_what_is_gone_is_reported_and_nothing_else_takes_its_number():
     assert events == [("ends", 2, 2, ())]
 
 
+@pytest.mark.parametrize("gone", [1, 2])
+def test_what_is_gone_takes_no_equal_neighbor_that_moves(gone):
+    """Rods side by side are nearer to each other than they are long, and the one that is left moves by a pixel."""
+    rows, cols = np.indices(SHAPE)
+
+    def rod(col):
+        return np.hypot((rows - 32) / 15, (cols - col) / 4.5) < 1
+
+    def rods(*places):
+        noise = np.random.default_rng(1).normal(0.0, 4.0, SHAPE)
+        return cpm.partition(as_image(np.where(np.any([rod(col) for col in places], axis=0), 200.0, 40.0) + noise))
+
+    first, follower = rods(36, 49), ObjectFollower()
+    follower.remember_page(first.values, {n: first.build_selection(rod(col)) for n, col in ((1, 36), (2, 49))})
+    left, at = 3 - gone, 48 if gone == 1 else 37
+    (found,), events = follower.find_on_page(2, rods(at))
+    assert found.number == left
+    assert compute_iou(found.selection.mask, rod(at)) > 0.85
+    assert [(event.kind, event.track) for event in events] == [("ends", gone)]
+
+
 def test_numbers_that_are_known_are_not_given_again():
     pages = [[(32, 44, 12)], [(32, 35, 8), (32, 53, 8)]]
     found, _ = followed(pages, ObjectFollower(7))

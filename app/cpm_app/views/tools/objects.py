@@ -24,7 +24,7 @@ class ObjectTool(Tool):
     """Selects the object under the pointer; a click with Shift marks what does not belong to it.
 
     A stroke is a click on everything that it crosses. A click in an object, or in one of several proposals, selects it,
-    and in a selected one begins a correction; with Ctrl it selects another object there. Enter accepts the proposal.
+    and in the selected one begins a correction; with Ctrl it selects another object there. Enter accepts the proposal.
     """
 
     name = "objects"
@@ -101,7 +101,7 @@ class ObjectTool(Tool):
         """Select the object under a click, correct it if it is selected, or add the click to the object in progress."""
         existing = 0 if another or not click.inside else self._find_existing(click.places[0])
         offered = [each.key for each in self._selection.proposals]
-        if existing in self._session.scene.objects.selected or (existing and offered == [existing]):
+        if self._session.scene.objects.selected == {existing} or (existing and offered == [existing]):
             self._selection.correct_object(existing)
         elif existing:
             self._list.select_objects((existing,))

@@ -440,6 +440,18 @@ def test_a_click_in_an_object_chooses_it_and_a_click_in_a_chosen_one_corrects_it
     assert item.region.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
 
 
+def test_a_click_in_one_of_several_chosen_objects_chooses_it_alone(window, hand, objects) -> None:
+    run_everywhere(hand)
+    take(hand)
+    assert window.workspace.object_list.selected_numbers == {1, 2}
+    click(hand, *SMALL[0])
+    assert not objects.selecting
+    assert len(window.workspace.object_list.selected_numbers) == 1
+    hand.key(KEY.Key_Delete)
+    (left,) = taken(window)
+    assert left.region.encloses(np.array([LARGE[0]])).all()
+
+
 def test_a_click_in_the_margin_is_no_point_and_deselects_as_beside_objects(window, hand, objects, layer) -> None:
     for modifier in (NONE, SHIFT):
         click(hand, 20.0, -3.0, modifier)
