@@ -939,3 +939,15 @@ def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> No
     assert overlap(offered(objects), disk(*SMALL)) > 0.85
     session.reset()
     hand.wait(lambda: np.array_equal(offered(objects), before.mask))
+
+
+def test_rejecting_a_correction_leaves_the_object_as_it_was(window, hand, objects) -> None:
+    click(hand, *SMALL[0])
+    take(hand)
+    before = taken(window)
+    for where in (SMALL, LARGE):
+        click(hand, *where[0])
+    assert window.session.document.objects.edited == 1
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: objects.idle and not objects.selecting)
+    assert taken(window) == before
