@@ -58,7 +58,7 @@ class KnownRuns:
         """Take what is known of a session: of its run only if it has ended, and nothing has interfered with it."""
         status, scene, document, found = session.status, session.scene, session.document, session.scene.result
         changed = status.stale or scene.timeline.steered or scene.timeline.parameters != document.parameters
-        if changed or status.phase != "finished":
+        if changed or status.phase != "finished" or not session.idle:
             found = None
         clicked = None
         if scene.image is not None and not document.has_volume:

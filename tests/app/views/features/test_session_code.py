@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import PIL.Image
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.session.features import session_code
+from cpm_app.session.worker.reconstruction import ReconstructionRequest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 
@@ -163,6 +165,28 @@ def test_a_run_that_the_window_shows_is_not_repeated(ready, hand, tmp_path, monk
     hand.wait(lambda: ready.session.status.phase == "finished" and ready.session.idle)
     copied(hand, "copy_command")
     assert repeated  # what is shown has been steered
+
+
+def test_contours_that_are_still_being_made_are_not_taken_for_those_of_the_run(ready, hand, monkeypatch) -> None:
+    """A slider moved away and back has its value again before its contours."""
+    session, selection = ready.session, ready.workspace.object_selection
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and bool(selection.proposals))
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: selection.idle and bool(session.document.objects.items) and session.idle)
+    length = session.document.parameters.min_length
+    session.edit("away", lambda document: edits.set_parameter(document, "min_length", 1e4))
+    hand.wait(lambda: not session.scene.contours and session.idle)
+    away, go_on, make = session.scene.result, threading.Event(), ReconstructionRequest.reconstruct
+    monkeypatch.setattr(ReconstructionRequest, "reconstruct", lambda request: (go_on.wait(), make(request))[1])
+    try:
+        session.edit("back", lambda document: edits.set_parameter(document, "min_length", length))
+        hand.wait(lambda: session.scene.timeline.parameters == session.document.parameters)
+        assert session.scene.result is away
+        assert "result.objects" in copied(hand, "copy_python")
+    finally:
+        go_on.set()
 
 
 def test_proposals_that_were_rejected_are_left_out(ready, hand, tmp_path) -> None:
