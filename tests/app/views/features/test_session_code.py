@@ -218,6 +218,21 @@ def test_of_a_run_whose_proposals_are_all_rejected_one_is_to_be_accepted_first(r
     assert copied(hand, "copy_python") == "" and messages.is_error
 
 
+def test_an_object_without_clicks_is_found_again_among_those_of_the_run(ready, hand, tmp_path) -> None:
+    """So it is for an object of a file that names no clicks."""
+    selection, session = ready.workspace.object_selection, ready.session
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and bool(selection.proposals))
+    shown = selection.proposals[0].selection
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: selection.idle and bool(session.document.objects.items))
+    bare = replace(session.document.objects.items[0], clicks=())
+    session.edit("bare", lambda document: replace(document, objects=replace(document.objects, items=(bare,))))
+    hand.wait(lambda: selection.idle and session.idle)
+    check_both(hand, tmp_path, (shown,))
+
+
 def test_what_was_drawn_by_hand_is_taken_from_the_saved_session(window, hand, tmp_path) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_J)
