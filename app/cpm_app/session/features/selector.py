@@ -144,9 +144,10 @@ class PartitionUpdater(QObject):
                 )
 
     def find_prepared(self, source: PartitionSource) -> AnyPartition | None:
-        """Find the partition that has been made from a source with its contours; None if it is not known."""
+        """Find the partition made from a source with its contours, without a larger model; None if it is not known."""
         known = self._everywhere if isinstance(source, EverywhereRun) else (self.source, self.partition)
-        return known[1] if known is not None and known[0] == source else None
+        made = known[1] if known is not None and known[0] == source else None
+        return None if made is None or made.model else made
 
     def set_model(self, model: str, ndim: int) -> None:
         """Set the larger model that answers in images (2), or the server in volumes (3); empty for the network."""
