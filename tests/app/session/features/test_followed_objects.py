@@ -363,6 +363,36 @@ def test_a_deleted_object_is_proposed_again_by_another_run_alone_whatever_is_ope
     hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 1)
 
 
+def test_what_was_rejected_before_all_pages_are_run_is_offered_on_no_page_and_takes_no_number(stack, hand):
+    window = stack([MOVING[0]] * 2)
+    selection, pages = window.workspace.object_selection, window.workspace.pages
+    window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 2)
+
+    def reject_one(left: int) -> None:
+        window.workspace.object_list.select_objects([selection.proposals[0].key])
+        hand.canvas.setFocus()
+        hand.key(KEY.Key_X)
+        hand.wait(lambda: selection.idle and len(selection.proposals) == left)
+
+    reject_one(1)
+    hand.qtbot.mouseClick(window.get_feature(PagesFeature).bar.run, LEFT)
+    settled(window, hand)
+    hand.wait(lambda: not pages.running)
+    settled(window, hand)
+    assert {one.number for page in pages._proposed.values() for one in page.contours} == {1, 2}
+    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 1)
+    reject_one(0)
+    assert pages.offers_objects
+    go(window, hand, 2)
+    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 2)
+    reject_one(1)
+    reject_one(0)
+    assert not pages.offers_objects
+
+
 def number_at(labels, disk) -> int:
     return int(labels[round(disk[0]), round(disk[1])])
 
