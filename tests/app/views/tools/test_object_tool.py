@@ -457,6 +457,22 @@ def test_a_click_in_the_margin_is_no_point_and_deselects_as_beside_objects(windo
     click(hand, 20.0, -3.0)
     hand.wait(lambda: not window.workspace.object_list.selected_numbers)
     hand.drag((43.0, -3.0), (43.0, 20.0), (43.0, 42.0))  # a stroke that begins there and reaches an object counts
+    (stroke,) = window.session.document.objects.clicks
+    assert all(-0.5 <= at <= 63.5 for place in stroke.places for at in place)
+    assert stroke.places[-1] == pytest.approx((43.0, 42.0), abs=0.5)
+
+
+def test_a_lasso_keeps_its_places_in_the_margin_and_another_stroke_selects_nothing_beside_them(
+    window, hand, objects
+) -> None:
+    hand.drag((43.0, 42.0), (43.0, 30.0), (30.0, -3.0), (20.0, -3.0), (25.0, 30.0), (41.0, 44.0))
+    (lasso,) = window.session.document.objects.clicks
+    assert any(place[1] < -0.5 for place in lasso.places)
+    hand.key(KEY.Key_Escape)
+    hand.wait(lambda: objects.idle and not objects.selecting)
+    at_border = SegmentedObject(1, (), Region((((-0.5, 26.0), (-0.5, 34.0), (1.0, 34.0), (1.0, 26.0)),)))
+    window.session.edit("add", lambda document: accept_objects(document, (at_border,)))
+    hand.drag((-3.0, 30.0), (-3.0, 38.0), (10.0, 38.0))  # beside that object, but not into it
     assert len(window.session.document.objects.clicks) == 1
 
 
