@@ -756,12 +756,34 @@ def test_doubtful_ones_of_all_like_an_object_are_selected_to_be_deleted(
     hand.key(KEY.Key_L, CONTROL)
     hand.wait(lambda: objects.idle and len(taken(window)) == 2)
     said = "Objects like this one: 1."
-    doubts = " The doubtful ones are selected: 1. Delete removes them." if left == 1 else ""
+    doubts = " 1 of them is doubtful and now selected; Delete removes it." if left == 1 else ""
     assert window.canvas_area.messages.text == said + doubts
     assert window.workspace.object_list.selected_numbers == ({2} if left == 1 else {1})
     if left == 1:
         hand.key(KEY.Key_Delete)
     assert len(taken(window)) == left
+
+
+def test_what_the_user_has_turned_to_meanwhile_stays_selected_when_objects_like_one_are_found(
+    window, hand, objects, monkeypatch
+) -> None:
+    may_find, listed = threading.Event(), window.workspace.object_list
+
+    def find_two(cut, like):
+        may_find.wait(20.0)
+        nothing = replace(like[0], contours=(), region=Region.from_mask(np.zeros((64, 64), bool)))
+        return like[0], replace(cut.select([LARGE[0]]), confidence=0.1), nothing
+
+    monkeypatch.setattr(object_selection, "select_all", find_two)
+    click(hand, *SMALL[0])
+    take(hand)
+    hand.wait(lambda: objects.idle and listed.selected_numbers == {1})
+    hand.key(KEY.Key_L, CONTROL)
+    listed.select_objects(())
+    may_find.set()
+    hand.wait(lambda: objects.idle and len(taken(window)) == 2)
+    assert listed.selected_numbers == set()
+    assert window.canvas_area.messages.text == "Objects like this one: 1. Doubtful: 1."
 
 
 def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(window, hand, objects) -> None:
