@@ -85,7 +85,8 @@ class SceneStore(QObject):
         self._written: tuple[str, ...] = ()
         """What has been written since an export was last requested."""
         messages.cleared.connect(self._on_messages_cleared)
-        self._holding = self._has_undrawn = self._status_deferred = False
+        self._deferring = self._status_deferred = False
+        self._drawing_held = self._has_undrawn = False
         self._listeners: dict[type[Report], list[Callable[[Any], object]]] = {}
 
     def set_scene(self, scene: Scene) -> None:
@@ -96,33 +97,46 @@ class SceneStore(QObject):
     def announce_scene(self) -> None:
         """Announce that the scene has been replaced, and have it drawn."""
         self.scene_changed.emit()
-        if self._holding:
+        if self._drawing_held:
             self._has_undrawn = True
         else:
             self.drawing_wanted.emit()
 
     def announce_status(self) -> None:
         """Announce that `Session.resolved` may have changed."""
-        if self._holding:
+        if self._deferring:
             self._status_deferred = True
         else:
             self.status_changed.emit()
 
     @contextmanager
-    def announce_once(self) -> Iterator[None]:
-        """Draw the scene only once, at the end, and then announce a changed status, which updates every action."""
-        if self._holding:
+    def defer_status(self) -> Iterator[None]:
+        """Announce a changed status only once, at the end: every action of the window is updated by it."""
+        if self._deferring:
             yield
             return
-        self._holding, self._has_undrawn, self._status_deferred = True, False, False
+        self._deferring, self._status_deferred = True, False
         try:
             yield
         finally:
-            self._holding = False
-            if self._has_undrawn:
-                self.drawing_wanted.emit()
+            self._deferring = False
             if self._status_deferred:
                 self.status_changed.emit()
+
+    @contextmanager
+    def draw_once(self) -> Iterator[None]:
+        """Draw the scene only once, at the end of an edit, and announce a changed status after that."""
+        with self.defer_status():
+            if self._drawing_held:
+                yield
+                return
+            self._drawing_held, self._has_undrawn = True, False
+            try:
+                yield
+            finally:
+                self._drawing_held = False
+                if self._has_undrawn:
+                    self.drawing_wanted.emit()
 
     def add_listener(self, kind: type[R], listener: Callable[[R], object]) -> None:
         """Call a listener with all reports of one kind from now on."""

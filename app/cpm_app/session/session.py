@@ -441,7 +441,7 @@ class Session(QObject):
         rested = change.place_before is not None and change.place_before.at_rest
         resumes = rested and place is None and not (back or change.erases)
         shown, goes_on = self._find_place(), change.erases and self.status.phase == "running"
-        with self.store.announce_once():
+        with self.store.draw_once():
             self._set_document(change.before if back else change.after, resumes=resumes)
         if place is not None:
             here = self.store.generation
@@ -458,7 +458,7 @@ class Session(QObject):
     def _push_and_show(self, change: Change) -> None:
         """Note a change for undo, and show the document after it."""
         self.history.push(change)
-        with self.store.announce_once():
+        with self.store.draw_once():
             self._set_document(change.after, complete=not change.gesture)
 
     def _find_place(self) -> TimelinePlace | None:
@@ -545,7 +545,7 @@ class Session(QObject):
         if self._frames.seconds_until_due() > 0.0:
             return
         before = self.scene
-        with self.store.announce_once():
+        with self.store.defer_status():
             self.tasks.announce_changes()
             self.store.poll_worker()
         if self.scene is not before:

@@ -73,7 +73,7 @@ class ContourSelection(QObject):
         indices = frozenset(index for index in contours if index < len(scene.contours))
         if (indices, numbers) != (scene.selected_contours, scene.objects.selected):
             shown = replace(scene.objects, selected=numbers)
-            with self._session.store.announce_once():
+            with self._session.store.draw_once():
                 self._session.store.set_scene(replace(scene, selected_contours=indices, objects=shown))
                 self.selection_changed.emit()
 

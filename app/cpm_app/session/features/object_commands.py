@@ -263,7 +263,7 @@ class ObjectCommands(QObject):
             numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
             return edit_accepted(document, numbers)
 
-        with self._session.store.announce_once():
+        with self._session.store.draw_once():
             self._edit_rows(undo_text, rows, accept_and_edit, len(copied))
             if given:
                 self._list.select_objects(item.number for item in self._list.objects.items if item.number in numbers)

@@ -611,8 +611,7 @@ def test_enter_draws_the_canvas_once(window, hand, objects, monkeypatch) -> None
     draw = window.canvas_area.canvas.draw_scene
     monkeypatch.setattr(window.canvas_area.canvas, "draw_scene", lambda scene: (drawn.append(scene), draw(scene)))
     accepted = window.workspace.object_list.selected_numbers
-    with hand.qtbot.waitSignal(window.session.document_changed):
-        hand.key(KEY.Key_Return)
+    window.workspace.object_commands.accept_pending()
     assert len(drawn) == 1
     assert drawn[0] is window.session.scene
     assert window.workspace.object_list.selected_numbers != accepted
