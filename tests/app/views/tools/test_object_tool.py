@@ -868,7 +868,7 @@ def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window,
     np.testing.assert_array_equal(offered(objects), everywhere.selection.mask)
     hand.key(KEY.Key_Escape)
     window.actions_by_name["start_grid"].trigger()
-    window.session.edit("forget", lambda d: delete_objects(d, [item.number for item in d.objects.rejected]))
+    window.session.edit("forget", lambda d: replace(d, objects=replace(d.objects, rejected=())))
     window.session.edit("draw", lambda d: replace(d, shapes=(Circle((row, col), 0.5 * radius),)))
     window.session.run()
     hand.wait_for_phase("finished")
