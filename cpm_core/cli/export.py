@@ -55,7 +55,7 @@ from cpm_core.formats.contour_file import describe_plane, read_contours
 from cpm_core.formats.images.resolution import find_unit
 from cpm_core.formats.sessions.recorded_run import restore_shown_state
 from cpm_core.formats.sessions.session_file import SESSION_SUFFIX, SessionFile, load_session
-from cpm_core.formats.sessions.session_run import is_volume_session, method_of, segment_shapes
+from cpm_core.formats.sessions.session_run import is_volume_session, segment_shapes
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics.types import Extent, JsonDict
@@ -162,8 +162,8 @@ def _restore_or_run(session: SessionFile, parameters: Parameters, image: Image, 
     ensure_compiled(volume=image.ndim == 3)
     kept = restore_shown_state(replace(session, parameters=parameters), image)
     if kept is not None:
-        state, begun, shown = kept
-        method = find_seeded_methods()[method_of(begun)](image, begun.parameters, state.regions)
+        state, method_name, at_step, shown = kept
+        method = find_seeded_methods()[method_name](image, at_step, state.regions)
         return replace(cast("Result", method.result(state, shown)), source=image.source)
     if not select_starts(session.shapes):
         raise ValueError(f"{source.name} has no start and no contours: draw a start in the window, and save it again.")

@@ -153,9 +153,10 @@ class Session(QObject):
 
     @property
     def deleted_objects(self) -> tuple[SegmentedObject, ...]:
-        """Objects that have been deleted while the run was shown, which it does not propose again."""
+        """Objects that have been deleted since the shown run has begun, which it does not propose again."""
         shown = self.scene.snapshot
-        return () if shown is None else self.history.find_deleted_objects(shown.timeline.run_generation)
+        begun = None if shown is None else self.run_updater.find_first_document(shown.timeline.run_generation)
+        return () if begun is None else self.document.objects.find_deleted_since(begun.objects)
 
     @property
     def selected_shape(self) -> int | None:

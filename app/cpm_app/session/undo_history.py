@@ -86,16 +86,6 @@ class UndoHistory:
         """The objects after the change that redo repeats."""
         return self._undone[-1].after.objects.items if self._undone else ()
 
-    def find_deleted_objects(self, run: int) -> tuple[SegmentedObject, ...]:
-        """Find the objects that changes have removed while a run, given by its number, was shown."""
-        found: list[SegmentedObject] = []
-        for change in self._done:
-            before, after = change.before.objects.items, change.after.objects.items
-            if len(after) < len(before) and change.place_before is not None and change.place_before.run == run:
-                left = {item.number for item in after}
-                found += (item for item in before if item.number not in left)
-        return tuple(found)
-
     def push(self, change: Change) -> None:
         """Record a change that has been made."""
         self._undone.clear()

@@ -20,6 +20,7 @@ from cpm_core.formats.common.json_values import (
 )
 from cpm_core.formats.sessions.particle_state import state_from_json, state_to_json
 from cpm_core.formats.sessions.session_file import SessionFile, decode_session, encode_session
+from cpm_core.formats.sessions.session_run import method_of
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
@@ -73,11 +74,11 @@ def add_recorded_run(session: SessionFile, recorder: RunRecorder, name: str = "R
     return replace(session, runs=runs)
 
 
-def restore_shown_state(session: SessionFile, image: Image) -> tuple[State, SessionFile, Parameters] | None:
+def restore_shown_state(session: SessionFile, image: Image) -> tuple[State, str, Parameters, Parameters] | None:
     """Restore the state of a run that the window shows; None if it was not kept.
 
-    The session is the one that the run began with, with the parameters of its step; the parameters are those with
-    which its contours are shown.
+    Returned with it are the name of the run's method, the parameters of its step, and those with which its contours are
+    shown.
     """
     runs = session.runs
     try:
@@ -96,4 +97,4 @@ def restore_shown_state(session: SessionFile, image: Image) -> tuple[State, Sess
     except (KeyError, TypeError, ValueError, IndexError, OverflowError, StopIteration):
         return None
     state = replace(state, steering=parameters.steering, regions=regions, charges=sort_charges(charges))
-    return state, replace(begun, parameters=parameters), shown
+    return state, method_of(begun), parameters, shown

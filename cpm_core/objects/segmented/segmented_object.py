@@ -220,6 +220,8 @@ class SegmentedObjects:
         Numbers up to this one are reserved for objects on other pages.
     may_overlap : bool
         Whether what is selected or painted may run over other objects, unless these are frozen.
+    deleted : tuple of SegmentedObject
+        Deleted objects, which runs that began before do not propose again.
 
     Raises
     ------
@@ -235,6 +237,7 @@ class SegmentedObjects:
     rejected: tuple[SegmentedObject, ...] = ()
     taken: int = 0
     may_overlap: bool = False
+    deleted: tuple[SegmentedObject, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.classes) != CLASS_COUNT:
@@ -258,6 +261,16 @@ class SegmentedObjects:
     def next_number(self) -> int:
         """A number that no object has."""
         return max((self.taken, *(item.number for item in self.items))) + 1
+
+    def find_deleted_since(self, begun: SegmentedObjects) -> tuple[SegmentedObject, ...]:
+        """Find the objects that have been deleted since a run has begun with others."""
+        before, found = list(begun.deleted), list[SegmentedObject]()
+        for one in self.deleted:
+            if one in before:
+                before.remove(one)
+            else:
+                found.append(one)
+        return tuple(found)
 
     @property
     def barriers(self) -> tuple[Line | Region, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from cpm_app.model.document import objects
@@ -87,6 +89,17 @@ def test_rejected_objects_are_kept_and_leave_no_gap_in_the_numbers(document) -> 
     assert numbers(again) == [1, 2, 3]
     assert again.objects.rejected == left.objects.rejected
     assert objects.delete_objects(again, (2, 3)).objects.rejected == left.objects.rejected
+
+
+def test_objects_deleted_since_a_run_began_are_told_from_those_deleted_before_and_from_rejected_ones(document) -> None:
+    first, second = document.objects.items
+    begun = objects.delete_objects(document, (1,))
+    assert begun.objects.find_deleted_since(document.objects) == (first,)
+    again = objects.delete_objects(objects.accept_objects(begun, (replace(first, number=1),)), (2,))
+    assert again.objects.find_deleted_since(begun.objects) == (second,)
+    twice = objects.delete_objects(again, [item.number for item in again.objects.items])
+    assert len(twice.objects.find_deleted_since(begun.objects)) == 2
+    assert objects.reject_objects(document, (1,), ()).objects.deleted == ()
 
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:

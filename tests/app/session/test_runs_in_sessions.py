@@ -200,7 +200,7 @@ def test_a_run_is_there_again_as_it_was_after_another_mode_has_been_chosen(ready
 def test_contours_selected_by_a_slider_at_rest_are_there_again_in_another_mode(ready, hand, tmp_path) -> None:
     """So they are for `cpm export`, which shows what the window shows."""
     run_to_the_end(ready, hand)
-    contours = lines(ready)
+    contours, begun = lines(ready), ready.session.document.parameters
     ready.session.edit("length", lambda document: edits.set_parameter(document, "min_length", 1e4))
     hand.wait(lambda: lines(ready) != contours)
     hand.wait(lambda: ready.session.idle)
@@ -211,8 +211,9 @@ def test_contours_selected_by_a_slider_at_rest_are_there_again_in_another_mode(r
     reopened(ready, hand, path)
     assert ready.session.document.mode == "automatic"
     assert not lines(ready)
-    state, begun, shown = restore_shown_state(load_session(path), ready.session.image)
-    assert (state.step, begun.mode, shown.min_length) == (ready.session.status.step, "shape", 1e4)
+    state, method, at_step, shown = restore_shown_state(load_session(path), ready.session.image)
+    assert (state.step, method, shown.min_length) == (ready.session.status.step, "cpm", 1e4)
+    assert at_step == begun
 
 
 def test_a_skeleton_is_there_again(ready, hand, tmp_path) -> None:

@@ -96,7 +96,7 @@ def reject_objects(document: Document, numbers: Iterable[int], offered: Iterable
     gone = frozenset(numbers)
     removed = (item for item in document.objects.items if item.number in gone)
     kept = (*document.objects.rejected, *removed, *offered)
-    return _replace_objects(delete_objects(document, gone), rejected=kept)
+    return _replace_objects(delete_objects(document, gone), rejected=kept, deleted=document.objects.deleted)
 
 
 def add_selections(document: Document, selections: Iterable[Selection], category: int) -> Document:
@@ -189,8 +189,9 @@ def delete_objects(document: Document, numbers: Iterable[int]) -> Document:
     """Delete objects."""
     gone, objects = frozenset(numbers), document.objects
     left = tuple(item for item in objects.items if item.number not in gone)
+    deleted = (*objects.deleted, *(item for item in objects.items if item.number in gone))
     over = {"clicks": (), "edited": 0} if objects.edited in gone else {}
-    return _replace_objects(document, items=left, **over)
+    return _replace_objects(document, items=left, deleted=deleted, **over)
 
 
 def rename_objects(document: Document, numbers: Iterable[int], name: str) -> Document:

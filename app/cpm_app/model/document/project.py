@@ -107,4 +107,4 @@ def has_own_work(document: Document) -> bool:
     """Tell whether a document holds work on its image: objects, clicks, or something drawn."""
     objects = document.objects
     drawn = any(not isinstance(shape, Everywhere) for shape in document.shapes)
-    return drawn or bool(objects.items or objects.clicks or objects.rejected)
+    return drawn or bool(objects.items or objects.clicks or objects.rejected or objects.deleted)

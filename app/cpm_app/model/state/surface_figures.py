@@ -20,7 +20,7 @@ def format_surface_figures(found: Surface | None) -> tuple[tuple[str, str, str],
     """
     texts = ("–",) * 6 if found is None else _format_figure_values(found)
     figures = (
-        (SURFACE_LABEL, tr("Separate parts of the surface; objects that touch share one.")),
+        (SURFACE_LABEL, tr("Separate parts of the surface; touching objects count as one part.")),
         (tr("Closed"), tr("Whether the surface is closed, so that it has an inside.")),
         (tr("Euler number"), tr("Euler characteristic: 2 for a sphere, 0 for a ring; the sum over all parts.")),
         (tr("Area"), tr("Area of the surface.")),

@@ -259,7 +259,7 @@ class StoredPages:
     found : dict of int to Page
         Results of each page.
     following : bool
-        Whether each page starts from the contours of the previous one.
+        Whether each page starts from the contours of the previous one, and is offered its objects.
     drawn : tuple of mapping
         Shapes drawn before all pages were run.
     given_starts : tuple of Start

@@ -80,9 +80,10 @@ class ObjectCommands(QObject):
     def reject_selected(self) -> None:
         """Dismiss the selected proposals and remove the selected objects, none of which is proposed again.
 
-        Without a selection, all proposals are dismissed, with a message; the object being selected is dropped.
+        Without a selection, all proposals are dismissed, with a message. While an object is being selected or
+        corrected, that is dropped, and an accepted one stays as it was.
         """
-        selected = self._list.selected_rows
+        selected = () if self._list.objects.clicks else self._list.selected_rows
         rows = selected or tuple(self._list.pending_rows)
         if self._has_frozen(rows):
             return

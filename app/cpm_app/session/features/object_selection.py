@@ -260,7 +260,7 @@ class ObjectSelection(QObject):
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
-        example = known[number]
+        example, attended = known[number], (self._session.scene.objects.selected, known.clicks)
 
         def find_new(task: BackgroundTask) -> list[Selection]:
             found = select_all(partition, [selection_from_object(example, partition.shape)])
@@ -276,20 +276,25 @@ class ObjectSelection(QObject):
         def add_found(found: list[Selection]) -> None:
             if partition.image is not self._session.image:
                 return
-            if not found:
+            made = [each for each in found if each.has_boundary]
+            if not made:
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
+            here = self._session.scene.objects.selected, self._session.document.objects.clicks
             before = {item.number for item in self._session.document.objects.items}
             self._session.edit(
-                tr("all like this"), lambda document: objects.add_selections(document, found, example.category)
+                tr("all like this"), lambda document: objects.add_selections(document, made, example.category)
             )
             new = (item.number for item in self._session.document.objects.items if item.number not in before)
-            made = (each for each in found if each.has_boundary)
             doubtful = [number for number, each in zip(new, made, strict=True) if not is_likely(each)]
-            words = tr("Objects like this one: {count}.", count=len(found))
-            if doubtful:
+            words = tr("Objects like this one: {count}.", count=len(made))
+            if doubtful and here != attended:  # what the user has turned to meanwhile stays selected
+                words += " " + tr("Doubtful: {count}.", count=len(doubtful))
+            elif doubtful:
                 self._list.select_objects(doubtful)
-                words += " " + tr("The doubtful ones are selected: {count}. Delete removes them.", count=len(doubtful))
+                one = tr("1 of them is doubtful and now selected; Delete removes it.")
+                several = tr("{count} of them are doubtful and now selected; Delete removes them.")
+                words += " " + (one if len(doubtful) == 1 else several.format(count=len(doubtful)))
             self._session.messages.show(words)
 
         self._session.tasks.start_task(

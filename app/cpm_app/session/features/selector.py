@@ -34,6 +34,7 @@ from cpm_core import (
 )
 from cpm_core.formats.stack_files import paint_tracks
 from cpm_core.image import AnyRegions, plane_regions
+from cpm_core.image.region import Region
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import JsonDict, Mask, frozen
 from cpm_core.objects import partition_without_run
@@ -144,9 +145,10 @@ class PartitionUpdater(QObject):
                 )
 
     def find_prepared(self, source: PartitionSource) -> AnyPartition | None:
-        """Find the partition that has been made from a source with its contours; None if it is not known."""
+        """Find the partition made from a source with its contours, without a larger model; None if it is not known."""
         known = self._everywhere if isinstance(source, EverywhereRun) else (self.source, self.partition)
-        return known[1] if known is not None and known[0] == source else None
+        made = known[1] if known is not None and known[0] == source else None
+        return None if made is None or made.model else made
 
     def set_model(self, model: str, ndim: int) -> None:
         """Set the larger model that answers in images (2), or the server in volumes (3); empty for the network."""
@@ -423,7 +425,8 @@ class Selector:
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:
         """The offered objects, except for rejected ones, those that exist, and parts of merged or corrected ones."""
-        new = {each.clicks for each in _remove_covered(self.offered, (*self.items, *self._rejected))}
+        known = (*self.items, *self._rejected)
+        new = {each.clicks for each in self.offered if not is_covered(each.selection.region, known)}
         joined = [frozenset(item.clicks) for item in self.items]
         return tuple(
             each
@@ -460,14 +463,9 @@ def _find_tracks(found: Sequence[Selection], on_page: Result) -> list[int]:
     return numbers
 
 
-def _remove_covered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
-    """Return the proposals at least half of which is not covered by objects, not counting much larger ones."""
-    left = []
-    for each in found:
-        region = each.selection.region
-        pixels, most = np.argwhere(region.mask) + region.origin, _MUCH_LARGER * region.count
-        places = pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)].astype(float)
-        within = [item.region.encloses(places) for item in items if item.region.size < most]
-        if not within or np.any(within, axis=0).mean() < 0.5:
-            left.append(each)
-    return left
+def is_covered(region: Region, items: Sequence[SegmentedObject]) -> bool:
+    """Tell whether objects, not counting much larger ones, cover half of a region or more."""
+    pixels, most = np.argwhere(region.mask) + region.origin, _MUCH_LARGER * region.count
+    places = pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)].astype(float)
+    within = [item.region.encloses(places) for item in items if item.region.size < most]
+    return bool(within) and bool(np.any(within, axis=0).mean() >= 0.5)

@@ -28,7 +28,6 @@ from cpm_core.formats.sessions.session_code import (
 )
 from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, select_by_clicks
-from cpm_core.results import FoundObjects
 from cpm_core.shapes import Barrier, Everywhere, PolygonRegion, select_starts
 
 CodeLanguage = Literal["python", "command"]
@@ -58,7 +57,7 @@ class KnownRuns:
         """Take what is known of a session: of its run only if it has ended, and nothing has interfered with it."""
         status, scene, document, found = session.status, session.scene, session.document, session.scene.result
         changed = status.stale or scene.timeline.steered or scene.timeline.parameters != document.parameters
-        if changed or status.phase != "finished":
+        if changed or status.phase != "finished" or not session.idle:
             found = None
         clicked = None
         if scene.image is not None and not document.has_volume:
@@ -128,8 +127,6 @@ def _find_code(
         items = [each.proposed_object for each in offered]
         if not items:
             return None
-    if any(not item.clicks for item in items):
-        return None  # drawn by hand
     for session, file, of_run in _list_runs(document, saved):
         if not items:
             return SessionCode(session, file=file)
@@ -164,19 +161,22 @@ def _match_objects(
     task: BackgroundTask,
 ) -> SessionCode | None:
     """Match objects with what a run proposes, and with what their clicks select; None unless all are found again."""
-    proposed: FoundObjects = ()
     result, source = (known.result, known.partition) if of_run else (None, known.everywhere)
+    if not of_run and not all(item.clicks for item in items):
+        return None  # neither clicked, nor proposed by a run
     if source is None and result is None and select_starts(session.shapes):
         result = run(image, session, progress=lambda _: task.check_cancelled())
-    if source is None:
-        source = partition(image if result is None else result)
-    if of_run and result is not None:
-        proposed = result.objects
+    proposed = result.objects if of_run and result is not None else ()
     places = [next((at for at, one in enumerate(proposed) if _is_same(one, item)), None) for item in items]
     picked = tuple(at for at in places if at is not None)
     if len(picked) == len(items):
         return SessionCode(session, None if sorted(picked) == list(range(len(proposed))) else picked)
-    for own, clicked in (((), items), (picked, [item for item, at in zip(items, places, strict=True) if at is None])):
+    left = [item for item, at in zip(items, places, strict=True) if at is None]
+    if not all(item.clicks for item in left):
+        return None
+    if source is None:
+        source = partition(image if result is None else result)
+    for own, clicked in (((), items), (picked, left)):
         clicks = tuple(item.clicks for item in clicked)
         if all(clicks):
             found = select_by_clicks(source, clicks, [proposed[at] for at in own])

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.display.page_rows import PageRow
@@ -31,6 +32,7 @@ from cpm_app.session.features.kept_pages import (
     with_taken_numbers,
     without_results,
 )
+from cpm_app.session.features.selector import is_covered
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EXPORTING_CATEGORY, OPENING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.storage.session_file import DocumentFile, SessionWritten
@@ -39,6 +41,8 @@ from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.formats import ImageFile, describe_shapes, export_stack
+from cpm_core.formats.stack_files import paint_tracks
+from cpm_core.image.region import Region
 from cpm_core.numerics.types import JsonObject
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import PageFollower, StackResult
@@ -77,6 +81,8 @@ class StackPages(QObject):
         self._kept: dict[int, KeptPage] = {}
         self._found_pages: dict[int, Page] = {}
         self._proposed: dict[int, Page] = {}
+        self._objects_before: dict[int, SegmentedObjects] = {}
+        """The objects of each page as its run began."""
         self._given_starts: tuple[Start, ...] = ()
         self.table: StackTable = EMPTY_TABLE
         """What was found on all pages, with tracks, and the rows: the objects of a page, or else its contours."""
@@ -167,13 +173,18 @@ class StackPages(QObject):
 
     @property
     def offers_objects(self) -> bool:
-        """Whether a page offers objects that are not all rejected, and none of which has been accepted yet."""
+        """Whether a page offers objects that are not all rejected or deleted, and none of which is accepted."""
         documents = self.documents
 
         def offers(number: int, page: Page) -> bool:
             known = documents[number].objects if number in documents else SegmentedObjects()
-            left = {one.number for one in page.contours} - {item.number for item in known.rejected}
-            return bool(left) and not known.items
+            if known.items or page.result is None:
+                return False
+            gone = (*known.rejected, *known.find_deleted_since(self._objects_before.get(number, known)))
+            if not gone:
+                return bool(page.contours)
+            tracks = paint_tracks(page.result, page.result.shape)
+            return any(not is_covered(Region.from_mask(tracks == one), gone) for one in np.unique(tracks[tracks > 0]))
 
         return any(offers(*each) for each in self._proposed.items())
 
@@ -302,7 +313,7 @@ class StackPages(QObject):
         self._drawn = describe_shapes(document.shapes)
         before = tuple(page for number, page in sorted(self._linked.items()) if number < first)
         self._proposed = {number: page for number, page in sorted(self._proposed.items()) if number < first}
-        used = (item.number for one in self.documents.values() for item in (*one.objects.items, *one.objects.rejected))
+        used = (item.number for one in self.documents.values() for item in one.objects.items)
         proposed = PageFollower(tuple(self._proposed.values()), max(used, default=0))
         source, numbers = self.source, range(first, self.count + 1)
 
@@ -345,6 +356,7 @@ class StackPages(QObject):
         if before is not None and (known is None or before.document != known.document) and before.has_own_start:
             return
         self._found_pages[number], self._proposed[number] = page, offered
+        self._objects_before[number] = done.document.objects
         self._link_soon()
         if not done.runs:
             return
@@ -434,7 +446,8 @@ class StackPages(QObject):
         source = self.source = StackSource.from_file(str(opened.path), opened.parts, opened.reading, in_volume)
         self.number, self.following = source.page_number(opened.reading), source.kind != "channel"
         self.wanted_page = self.number
-        self._kept, self._found_pages, self._proposed, self._given_starts = {}, {}, {}, ()
+        self._kept, self._found_pages, self._given_starts = {}, {}, ()
+        self._proposed, self._objects_before = {}, {}
         self.table, self._linked, self._last_result, self._drawn = EMPTY_TABLE, {}, None, ()
         self._measured = IdentityCache()
         if opened.saved is not None and opened.saved.file.pages and self.count:

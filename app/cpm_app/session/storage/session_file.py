@@ -113,11 +113,8 @@ class DocumentFile(QObject):
 
     @property
     def content(self) -> SessionFile:
-        """The content to be saved; what was deleted is rejected there, as the history that tells it is not saved."""
-        document, known = self._session.document, self._session.document.objects
-        deleted = (one for one in self._session.deleted_objects if one not in known.rejected)
-        objects = replace(known, rejected=(*known.rejected, *deleted))
-        written = to_session_file(replace(document, objects=objects), self._view(), self._file)
+        """The content to be saved."""
+        written = to_session_file(self._session.document, self._view(), self._file)
         return replace(written, runs=self.runs.runs_json, truth=self._truth(), pages=self._pages())
 
     def save(self, path: Path, automatic: bool = False) -> BackgroundTask:

@@ -141,10 +141,11 @@ def _run_to_json(run: StoredRun) -> JsonDict:
         branches.append({**to_json(shown), "steps": alike, "figures": array_to_json(line.figures.rows)})
     document = run.document
     acting = document.objects.barriers or document.outlined.objects  # a run depends on objects only then
-    bare = replace(to_session_file(document, {}), image=None)
+    objects = document.objects if acting else SegmentedObjects(deleted=document.objects.deleted)
+    bare = replace(to_session_file(document, {}), image=None, objects=objects)
     return {
         "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
-        "document": json.loads(encode_session(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),
+        "document": json.loads(encode_session(bare, Path())),
         "drawn": [shape_to_json(start) for start in starts_from_sources(run.sources)],
         "actions": [_action_to_json(action, document.parameters) for action in numbers],
         "branches": branches,

@@ -94,7 +94,7 @@ class Legend(QWidget):
 
 
 def _format_count(entry: LegendEntry) -> str:
-    return f"{entry.text}: {localize_number(f'{entry.count:,}')}"
+    return tr("{name}: {count}", name=entry.text, count=localize_number(f"{entry.count:,}"))
 
 
 class CanvasStrip(QFrame):

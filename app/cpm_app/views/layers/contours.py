@@ -56,7 +56,7 @@ class ContourLayer(Layer):
         gaps = tr("Gaps in edges that contours bridge.")
         return [
             LegendEntry(len(self.scene.contours), text, tip, theme.CONTOUR_COLOR),
-            LegendEntry(self.bridges.count, tr("bridged"), gaps, theme.CONTOUR_COLOR, "dashed"),
+            LegendEntry(self.bridges.count, tr("bridges"), gaps, theme.CONTOUR_COLOR, "dashed"),
         ]
 
     def apply_opacity(self) -> None:

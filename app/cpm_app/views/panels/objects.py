@@ -367,5 +367,6 @@ class ObjectPanel(QWidget):
     def _shown_row(self) -> ObjectRow | None:
         """Selected row, or else the only one that Enter would accept of all that are offered; None for several."""
         listed = self._object_list
-        rows = [*listed.selected_rows] or listed.pending_rows
-        return rows[0] if len(rows) == 1 and (listed.selected_rows or rows == listed.rows_to_accept) else None
+        selected = listed.selected_rows
+        rows = selected or listed.pending_rows
+        return rows[0] if len(rows) == 1 and (selected or rows == listed.rows_to_accept) else None

@@ -12,7 +12,7 @@ from cpm_app.model.text.keys import insert_keys
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.tool import REMOVE_MODIFIER, Cursor, Tool
-from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES
+from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, is_closed_line
 from cpm_core.numerics import Place, polyline
 from cpm_core.objects.segmented import Click
 
@@ -90,16 +90,28 @@ class ObjectTool(Tool):
 
     def on_release(self) -> None:
         """Do what the click or stroke means, after all that was done before."""
-        click = Click(_spread_places(self.stroke, self.stroke_spacing), self._adds)
-        waits = not self._selection.selecting
-        if any(map(self.is_in_image, self.stroke)):
-            self._selection.do_in_order(partial(self._do_click, click, self._wants_another), click, needs_answer=waits)
-        elif waits:  # in the margin there is nothing, as beside objects with the tool Select
+        places, begins = self._collect_places(), not self._selection.selecting
+        if places:
+            click = Click(places, self._adds)
+            self._selection.do_in_order(partial(self._do_click, click, self._wants_another), click, needs_answer=begins)
+        elif begins:  # in the margin there is nothing, as beside objects with the tool Select
             self._selection.do_in_order(partial(self._list.select_objects, ()))
+
+    def _collect_places(self) -> tuple[Place, ...]:
+        """Spread places along the stroke: all of a lasso, of another stroke those in the image; none in the margin."""
+        places = _spread_places(self.stroke, self.stroke_spacing)
+        within = tuple(filter(self.is_in_image, self.stroke))
+        flat = np.array(places, float)
+        if self.current_slice is not None:
+            flat = self.current_slice.project_points(flat)
+        if within and is_closed_line(flat):
+            return places
+        return within and (tuple(filter(self.is_in_image, places)) or within)
 
     def _do_click(self, click: Click, another: bool) -> None:
         """Select the object under a click, correct it if it is selected, or add the click to the object in progress."""
-        existing = 0 if another or not click.inside else self._find_existing(click.places[0])
+        first = next(filter(self.is_in_image, click.places))
+        existing = 0 if another or not click.inside else self._find_existing(first)
         offered = [each.key for each in self._selection.proposals]
         if self._session.scene.objects.selected == {existing} or (existing and offered == [existing]):
             self._selection.correct_object(existing)

@@ -328,6 +328,71 @@ def test_a_page_is_done_once_all_that_it_offers_is_rejected_and_not_before(stack
     hand.wait(lambda: panel.summary.text() == "2 of 2 pages finished; tracks: 2.")
 
 
+@pytest.mark.parametrize("saved", ["kept", "open", "other"])
+def test_a_deleted_object_is_proposed_again_by_another_run_alone_whatever_is_opened_between(
+    stack, hand, tmp_path, saved
+):
+    window = stack([MOVING[0]] * 2)
+    selection, listed = window.workspace.object_selection, window.workspace.object_list
+    window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 2)
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: len(window.session.document.objects.items) == 2 and selection.idle)
+    listed.select_objects((1,))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Delete)
+    hand.wait(lambda: len(window.session.document.objects.items) == 1 and selection.idle)
+    if saved != "open":
+        go(window, hand, 2)
+    if saved != "kept":
+        path = tmp_path / "deleted.cpm"
+        assert window.get_feature(OpenSaveFeature).document_file.save_and_wait(path)
+        with hand.qtbot.waitSignal(window.session.image_changed):
+            window.session.open_file(path)
+        settled(window, hand)
+    if saved != "open":
+        go(window, hand, 1, KEY.Key_PageUp)
+    hand.wait(lambda: window.session.status.phase == "finished" and selection.offer_is_known and selection.idle)
+    assert selection.proposals == ()
+    assert window.session.document.objects.rejected == ()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 1)
+
+
+def test_what_was_rejected_before_all_pages_are_run_is_offered_on_no_page_and_takes_no_number(stack, hand):
+    window = stack([MOVING[0]] * 2)
+    selection, pages = window.workspace.object_selection, window.workspace.pages
+    window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 2)
+
+    def reject_one(left: int) -> None:
+        window.workspace.object_list.select_objects([selection.proposals[0].key])
+        hand.canvas.setFocus()
+        hand.key(KEY.Key_X)
+        hand.wait(lambda: selection.idle and len(selection.proposals) == left)
+
+    reject_one(1)
+    hand.qtbot.mouseClick(window.get_feature(PagesFeature).bar.run, LEFT)
+    settled(window, hand)
+    hand.wait(lambda: not pages.running)
+    settled(window, hand)
+    assert {one.number for page in pages._proposed.values() for one in page.contours} == {1, 2}
+    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 1)
+    reject_one(0)
+    assert pages.offers_objects
+    go(window, hand, 2)
+    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 2)
+    reject_one(1)
+    reject_one(0)
+    assert not pages.offers_objects
+
+
 def number_at(labels, disk) -> int:
     return int(labels[round(disk[0]), round(disk[1])])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import PIL.Image
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.session.features import session_code
+from cpm_app.session.worker.reconstruction import ReconstructionRequest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication
 
@@ -165,6 +167,28 @@ def test_a_run_that_the_window_shows_is_not_repeated(ready, hand, tmp_path, monk
     assert repeated  # what is shown has been steered
 
 
+def test_contours_that_are_still_being_made_are_not_taken_for_those_of_the_run(ready, hand, monkeypatch) -> None:
+    """A slider moved away and back has its value again before its contours."""
+    session, selection = ready.session, ready.workspace.object_selection
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and bool(selection.proposals))
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: selection.idle and bool(session.document.objects.items) and session.idle)
+    length = session.document.parameters.min_length
+    session.edit("away", lambda document: edits.set_parameter(document, "min_length", 1e4))
+    hand.wait(lambda: not session.scene.contours and session.idle)
+    away, go_on, make = session.scene.result, threading.Event(), ReconstructionRequest.reconstruct
+    monkeypatch.setattr(ReconstructionRequest, "reconstruct", lambda request: (go_on.wait(), make(request))[1])
+    try:
+        session.edit("back", lambda document: edits.set_parameter(document, "min_length", length))
+        hand.wait(lambda: session.scene.timeline.parameters == session.document.parameters)
+        assert session.scene.result is away
+        assert "result.objects" in copied(hand, "copy_python")
+    finally:
+        go_on.set()
+
+
 def test_proposals_that_were_rejected_are_left_out(ready, hand, tmp_path) -> None:
     selection = ready.workspace.object_selection
     ready.actions_by_name["mode_automatic"].trigger()
@@ -192,6 +216,21 @@ def test_of_a_run_whose_proposals_are_all_rejected_one_is_to_be_accepted_first(r
         assert messages.text == "Accept an object and save the session first: another run would not offer the same."
     assert ready.document_file.save_and_wait(tmp_path / "rejected.cpm")
     assert copied(hand, "copy_python") == "" and messages.is_error
+
+
+def test_an_object_without_clicks_is_found_again_among_those_of_the_run(ready, hand, tmp_path) -> None:
+    """So it is for an object of a file that names no clicks."""
+    selection, session = ready.workspace.object_selection, ready.session
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and bool(selection.proposals))
+    shown = selection.proposals[0].selection
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: selection.idle and bool(session.document.objects.items))
+    bare = replace(session.document.objects.items[0], clicks=())
+    session.edit("bare", lambda document: replace(document, objects=replace(document.objects, items=(bare,))))
+    hand.wait(lambda: selection.idle and session.idle)
+    check_both(hand, tmp_path, (shown,))
 
 
 def test_what_was_drawn_by_hand_is_taken_from_the_saved_session(window, hand, tmp_path) -> None:

@@ -469,6 +469,22 @@ def test_a_click_in_the_margin_is_no_point_and_deselects_as_beside_objects(windo
     click(hand, 20.0, -3.0)
     hand.wait(lambda: not window.workspace.object_list.selected_numbers)
     hand.drag((43.0, -3.0), (43.0, 20.0), (43.0, 42.0))  # a stroke that begins there and reaches an object counts
+    (stroke,) = window.session.document.objects.clicks
+    assert all(-0.5 <= at <= 63.5 for place in stroke.places for at in place)
+    assert stroke.places[-1] == pytest.approx((43.0, 42.0), abs=0.5)
+
+
+def test_a_lasso_keeps_its_places_in_the_margin_and_another_stroke_selects_nothing_beside_them(
+    window, hand, objects
+) -> None:
+    hand.drag((43.0, 42.0), (43.0, 30.0), (30.0, -3.0), (20.0, -3.0), (25.0, 30.0), (41.0, 44.0))
+    (lasso,) = window.session.document.objects.clicks
+    assert any(place[1] < -0.5 for place in lasso.places)
+    hand.key(KEY.Key_Escape)
+    hand.wait(lambda: objects.idle and not objects.selecting)
+    at_border = SegmentedObject(1, (), Region((((-0.5, 26.0), (-0.5, 34.0), (1.0, 34.0), (1.0, 26.0)),)))
+    window.session.edit("add", lambda document: accept_objects(document, (at_border,)))
+    hand.drag((-3.0, 30.0), (-3.0, 38.0), (10.0, 38.0))  # beside that object, but not into it
     assert len(window.session.document.objects.clicks) == 1
 
 
@@ -752,12 +768,34 @@ def test_doubtful_ones_of_all_like_an_object_are_selected_to_be_deleted(
     hand.key(KEY.Key_L, CONTROL)
     hand.wait(lambda: objects.idle and len(taken(window)) == 2)
     said = "Objects like this one: 1."
-    doubts = " The doubtful ones are selected: 1. Delete removes them." if left == 1 else ""
+    doubts = " 1 of them is doubtful and now selected; Delete removes it." if left == 1 else ""
     assert window.canvas_area.messages.text == said + doubts
     assert window.workspace.object_list.selected_numbers == ({2} if left == 1 else {1})
     if left == 1:
         hand.key(KEY.Key_Delete)
     assert len(taken(window)) == left
+
+
+def test_what_the_user_has_turned_to_meanwhile_stays_selected_when_objects_like_one_are_found(
+    window, hand, objects, monkeypatch
+) -> None:
+    may_find, listed = threading.Event(), window.workspace.object_list
+
+    def find_two(cut, like):
+        may_find.wait(20.0)
+        nothing = replace(like[0], contours=(), region=Region.from_mask(np.zeros((64, 64), bool)))
+        return like[0], replace(cut.select([LARGE[0]]), confidence=0.1), nothing
+
+    monkeypatch.setattr(object_selection, "select_all", find_two)
+    click(hand, *SMALL[0])
+    take(hand)
+    hand.wait(lambda: objects.idle and listed.selected_numbers == {1})
+    hand.key(KEY.Key_L, CONTROL)
+    listed.select_objects(())
+    may_find.set()
+    hand.wait(lambda: objects.idle and len(taken(window)) == 2)
+    assert listed.selected_numbers == set()
+    assert window.canvas_area.messages.text == "Objects like this one: 1. Doubtful: 1."
 
 
 def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(window, hand, objects) -> None:
@@ -830,7 +868,7 @@ def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window,
     np.testing.assert_array_equal(offered(objects), everywhere.selection.mask)
     hand.key(KEY.Key_Escape)
     window.actions_by_name["start_grid"].trigger()
-    window.session.edit("forget", lambda d: delete_objects(d, [item.number for item in d.objects.rejected]))
+    window.session.edit("forget", lambda d: replace(d, objects=replace(d.objects, rejected=())))
     window.session.edit("draw", lambda d: replace(d, shapes=(Circle((row, col), 0.5 * radius),)))
     window.session.run()
     hand.wait_for_phase("finished")
@@ -939,3 +977,15 @@ def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> No
     assert overlap(offered(objects), disk(*SMALL)) > 0.85
     session.reset()
     hand.wait(lambda: np.array_equal(offered(objects), before.mask))
+
+
+def test_rejecting_a_correction_leaves_the_object_as_it_was(window, hand, objects) -> None:
+    click(hand, *SMALL[0])
+    take(hand)
+    before = taken(window)
+    for where in (SMALL, LARGE):
+        click(hand, *where[0])
+    assert window.session.document.objects.edited == 1
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: objects.idle and not objects.selecting)
+    assert taken(window) == before

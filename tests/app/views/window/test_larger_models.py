@@ -10,6 +10,7 @@ from cpm_app.model.preferences.table import MODEL_FOLDER, MODEL_PREFERENCE, OWN_
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.features.help import PreferencesFeature
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication
 
 import cpm_core as cpm
 from cpm_core.formats.sessions.session_file import load_session
@@ -22,10 +23,10 @@ KEY = Qt.Key
 
 @pytest.fixture
 def image_file(tmp_path) -> Path:
-    """A disk that the border cuts, so that no contour closes around it."""
+    """A disk that the border cuts, so that no contour closes around it, and of which the model takes a few levels."""
     path = tmp_path / "disk.npy"
     rows, cols = np.indices((64, 64))
-    np.save(path, np.where(np.hypot(rows - 32, cols) < 18, 200.0, 20.0))
+    np.save(path, np.where(np.hypot(rows - 32, cols) < 18, 50.0 + 5.0 * rows, 20.0))
     return path
 
 
@@ -68,6 +69,29 @@ def test_files_of_ones_own_answer_and_the_session_names_them(window, hand, tmp_p
     assert DocumentFile(window.session, dict).save_and_wait(tmp_path / "disk.cpm")
     (item,) = load_session(tmp_path / "disk.cpm").objects.items
     assert item.model == "mine"
+
+
+@pytest.mark.parametrize("action", ["copy_python", "copy_command"])
+def test_what_is_copied_does_not_say_that_clicks_without_the_model_give_its_objects(
+    window, hand, tmp_path, action
+) -> None:
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    choose(hand, OWN_MODEL, onnx_models.write_model(folder, "efficientsam"))
+    updater, messages = window.workspace.object_selection.partition_updater, window.canvas_area.messages
+    hand.wait(lambda: updater._models[2] == str(folder))
+    accept_object_at(hand, 32, 8)
+    hand.wait(lambda: window.session.idle and not updater.preparing)
+    clipboard = QApplication.clipboard()
+    clipboard.clear()
+    window.actions_by_name[action].trigger()
+    hand.wait(lambda: bool(clipboard.text()) or messages.text.startswith("Save the session first"))
+    assert not clipboard.text()
+    file = tmp_path / "disk.cpm"
+    assert window.document_file.save_and_wait(file)
+    window.actions_by_name[action].trigger()
+    hand.wait(lambda: bool(clipboard.text()))
+    assert str(file) in clipboard.text()
 
 
 def test_a_model_is_fetched_after_its_offer_is_taken(window, hand, tmp_path, monkeypatch) -> None:
