@@ -328,16 +328,22 @@ def test_a_page_is_done_once_all_that_it_offers_is_rejected_and_not_before(stack
     hand.wait(lambda: panel.summary.text() == "2 of 2 pages finished; tracks: 2.")
 
 
+def propose_two(window, hand) -> None:
+    """Run everywhere on the open page, and wait for the two objects that are found there."""
+    selection = window.workspace.object_selection
+    window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 2)
+
+
 @pytest.mark.parametrize("saved", ["kept", "open", "other"])
 def test_a_deleted_object_is_proposed_again_by_another_run_alone_whatever_is_opened_between(
     stack, hand, tmp_path, saved
 ):
     window = stack([MOVING[0]] * 2)
     selection, listed = window.workspace.object_selection, window.workspace.object_list
-    window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 2)
+    propose_two(window, hand)
     hand.key(KEY.Key_Return)
     hand.wait(lambda: len(window.session.document.objects.items) == 2 and selection.idle)
     listed.select_objects((1,))
@@ -366,10 +372,7 @@ def test_a_deleted_object_is_proposed_again_by_another_run_alone_whatever_is_ope
 def test_what_was_rejected_before_all_pages_are_run_is_offered_on_no_page_and_takes_no_number(stack, hand):
     window = stack([MOVING[0]] * 2)
     selection, pages = window.workspace.object_selection, window.workspace.pages
-    window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 2)
+    propose_two(window, hand)
 
     def reject_one(left: int) -> None:
         window.workspace.object_list.select_objects([selection.proposals[0].key])
