@@ -72,7 +72,6 @@ _OptionNumbers = Mapping[str, Sequence[tuple[float, ...]]]
 _VOLUME_START_SUFFIXES = {*SURFACES_READABLE, *CENTERLINES_WRITABLE}
 """Suffixes of the files of starts that lie in volumes."""
 
-
 _PLANE_OPTIONS = (
     "session",
     "circle",

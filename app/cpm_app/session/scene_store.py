@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, Signal, SignalInstance
 
 from cpm_app.model.state.situation import Phase, RunStatus
 from cpm_app.model.text.language import tr
@@ -56,6 +56,35 @@ _SILENT_WAIT = 0.5
 """How long the contours of a run at rest may take before the window says that they are being made [s]."""
 
 
+class _Deferrable:
+    """A signal that can be deferred to the end of a block, and is then emitted once if it was requested there."""
+
+    def __init__(self, signal: SignalInstance) -> None:
+        self._signal = signal
+        self._deferred = self._requested = False
+
+    def request(self) -> None:
+        """Emit the signal, now or at the end of the block."""
+        if self._deferred:
+            self._requested = True
+        else:
+            self._signal.emit()
+
+    @contextmanager
+    def defer(self) -> Iterator[None]:
+        """Defer the signal to the end of the outermost block."""
+        if self._deferred:
+            yield
+            return
+        self._deferred, self._requested = True, False
+        try:
+            yield
+        finally:
+            self._deferred = False
+            if self._requested:
+                self._signal.emit()
+
+
 class SceneStore(QObject):
     """The scene that a session shows and the state of its run, with signals for views.
 
@@ -85,8 +114,7 @@ class SceneStore(QObject):
         self._written: tuple[str, ...] = ()
         """What has been written since an export was last requested."""
         messages.cleared.connect(self._on_messages_cleared)
-        self._deferring = self._status_deferred = False
-        self._drawing_held = self._has_undrawn = False
+        self._status_change, self._drawing = _Deferrable(self.status_changed), _Deferrable(self.drawing_wanted)
         self._listeners: dict[type[Report], list[Callable[[Any], object]]] = {}
 
     def set_scene(self, scene: Scene) -> None:
@@ -97,46 +125,23 @@ class SceneStore(QObject):
     def announce_scene(self) -> None:
         """Announce that the scene has been replaced, and have it drawn."""
         self.scene_changed.emit()
-        if self._drawing_held:
-            self._has_undrawn = True
-        else:
-            self.drawing_wanted.emit()
+        self._drawing.request()
 
     def announce_status(self) -> None:
         """Announce that `Session.resolved` may have changed."""
-        if self._deferring:
-            self._status_deferred = True
-        else:
-            self.status_changed.emit()
+        self._status_change.request()
 
     @contextmanager
     def defer_status(self) -> Iterator[None]:
         """Announce a changed status only once, at the end: every action of the window is updated by it."""
-        if self._deferring:
+        with self._status_change.defer():
             yield
-            return
-        self._deferring, self._status_deferred = True, False
-        try:
-            yield
-        finally:
-            self._deferring = False
-            if self._status_deferred:
-                self.status_changed.emit()
 
     @contextmanager
     def draw_once(self) -> Iterator[None]:
         """Draw the scene only once, at the end of an edit, and announce a changed status after that."""
-        with self.defer_status():
-            if self._drawing_held:
-                yield
-                return
-            self._drawing_held, self._has_undrawn = True, False
-            try:
-                yield
-            finally:
-                self._drawing_held = False
-                if self._has_undrawn:
-                    self.drawing_wanted.emit()
+        with self._status_change.defer(), self._drawing.defer():
+            yield
 
     def add_listener(self, kind: type[R], listener: Callable[[R], object]) -> None:
         """Call a listener with all reports of one kind from now on."""
