@@ -10,10 +10,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, Qt, Signal
 
 from cpm_app.model.document import objects
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
+from cpm_app.session.exchange.messages import CommandFailed, Report
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.object_list import ObjectList
@@ -49,10 +50,11 @@ def format_confidence(selection: Selection) -> str:
 
 @frozen
 class WaitingAction:
-    """An action that waits for the answer to earlier ones, and the click that it will make, if it is one."""
+    """An action that waits for the answer to earlier ones, or for what is offered; perhaps it makes a click."""
 
     run: Callback
     click: Click | None
+    needs_offer: bool
 
 
 class ObjectSelection(QObject):
@@ -101,6 +103,8 @@ class ObjectSelection(QObject):
         self.partition_updater.changed.connect(self.changed)
         session.document_changed.connect(lambda _: self.partition_updater.update_partition())
         session.document_changed.connect(lambda _: self._request_answer())
+        later = Qt.ConnectionType.QueuedConnection  # a search that begins is not known yet
+        session.tasks.changed.connect(self._catch_up, later)  # a search may have been canceled
         session.store.scene_changed.connect(self._on_scene_changed)
         session.image_changed.connect(self._on_image_changed)
         followed_objects.search_changed.connect(self.search_again)
@@ -145,8 +149,14 @@ class ObjectSelection(QObject):
     @property
     def offer_is_known(self) -> bool:
         """Whether all that the run offers is shown; true if it offers nothing."""
-        shown = self._answered is not None and self._answered[0] is self.selector
-        return not self._offers_run or (shown and self._is_searched and self.partition_updater.is_current)
+        return not self._offers_run or self._offer_is_shown
+
+    @property
+    def awaits_offer(self) -> bool:
+        """Whether objects of the run or of the previous page are being found; false if that was canceled."""
+        given_up = self._finding.is_cancelled or self.partition_updater.has_failed
+        offers = self._offers_run or self._followed_objects.search is not None
+        return offers and not (self._offer_is_shown or given_up)
 
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
@@ -194,7 +204,9 @@ class ObjectSelection(QObject):
         else:
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
 
-    def do_in_order(self, action: Callback, click: Click | None = None, *, needs_answer: bool = True) -> None:
+    def do_in_order(
+        self, action: Callback, click: Click | None = None, *, needs_answer: bool = True, needs_offer: bool = False
+    ) -> None:
         """Do what the user wants after all that was wanted before: now, or as soon as the answers to it are known.
 
         Parameters
@@ -205,9 +217,11 @@ class ObjectSelection(QObject):
             The click that it makes, which is marked until its answer is shown.
         needs_answer : bool
             Whether it depends on what the clicks of the document select.
+        needs_offer : bool
+            Whether it is for what is being found, to be offered.
         """
-        if self._waiting or self._steps or (needs_answer and not self.answered):
-            self._waiting.append(WaitingAction(action, click))
+        if self._waiting or self._steps or (needs_answer and not self.answered) or (needs_offer and self.awaits_offer):
+            self._waiting.append(WaitingAction(action, click, needs_offer))
             self._show_awaited_clicks()
             self.changed.emit()
         else:
@@ -303,6 +317,13 @@ class ObjectSelection(QObject):
 
     # Internal
 
+    @property
+    def _offer_is_shown(self) -> bool:
+        """Whether what was found last, to be offered, is shown, and is all that can be found."""
+        updater, answered = self.partition_updater, self._answered
+        shown = answered is not None and answered[0].offered is self._found
+        return shown and self._is_searched and updater.is_current and not updater.preparing
+
     def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:
         self._session.edit(undo_text, lambda document: objects.set_selection_clicks(document, clicks, number))
 
@@ -366,12 +387,20 @@ class ObjectSelection(QObject):
             find = partial(find_proposals, source, continues, pages.proposed)
             name = tr("Finding the objects of the run…")
         else:
+            self._searched, self._found, self._is_searched = None, (), True
             return ()
         if self._searched is not partition:
             self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
             found = partial(self._on_objects_found, partition)
-            self._finding = self._session.tasks.start_task(name, find, tr("finding objects"), on_result=found)
+
+            def report_failure(message: str) -> Report:
+                self._session.tasks.call_in_window(partial(found, ()))
+                return CommandFailed(message)
+
+            self._finding = self._session.tasks.start_task(
+                name, find, tr("finding objects"), report_failure, on_result=found
+            )
         return self._found
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
@@ -486,6 +515,8 @@ class ObjectSelection(QObject):
         self._is_catching_up = True
         try:
             while self._waiting and self.answered and not self._steps:
+                if self._waiting[0].needs_offer and self.awaits_offer:
+                    break
                 self._waiting.popleft().run()
         finally:
             self._is_catching_up = False
@@ -538,6 +569,7 @@ class ObjectSelection(QObject):
     def _on_image_changed(self) -> None:
         self._latest.drop_waiting()
         self._finding.cancel()
+        self._finding = ENDED_TASK
         self._selectors, self._seen, self._found = {}, {}, ()
         self._waiting.clear()
         self.selector = self._answered = self._pointed = self._searched = None

@@ -38,7 +38,7 @@ def describe_lack(workspace: Workspace) -> str:
     status, shown = session.status, session.scene.result
     sentence = status.busy or tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run.")
     running = status.phase == "running" or (status.started and status.found is None)
-    if running or not (selection.offer_is_known or selection.idle):
+    if running or (selection.awaits_offer and not selection.offer_is_known):
         sentence = tr("The objects of the run are still being found.")
     elif shown is not None and shown.stop_reason:
         sentence = tr("No object is offered: click one ({key:objects}).")

@@ -72,7 +72,8 @@ class SlicesFeature(Feature):
             return has_volume(situation) or pages.has_images
 
         def move_by(by: int) -> Callback:
-            return lambda: (pages if pages.has_images else slices).go_by(by)
+            in_order = window.workspace.object_selection.do_in_order
+            return lambda: in_order(partial(pages.go_by, by)) if pages.has_images else slices.go_by(by)
 
         def create_axis_action(axis: int) -> ActionSpec:
             name = AXIS_NAMES[axis]
