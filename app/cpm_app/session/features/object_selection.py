@@ -37,7 +37,7 @@ from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.segmented import Click, selection_from_object, unite_regions
 from cpm_core.objects.segmented.segmented_object import Clicks
-from cpm_core.results import is_likely
+from cpm_core.results import is_likely, whole_percent
 
 _SAME_OBJECT_COVERAGE = 0.5
 """Share of an object covered by others from which it counts as one of them."""
@@ -45,7 +45,7 @@ _SAME_OBJECT_COVERAGE = 0.5
 
 def format_confidence(selection: Selection) -> str:
     """Format the confidence of an object as text; empty where it is unknown."""
-    return "" if math.isnan(selection.confidence) else localize_number(f"{100.0 * selection.confidence:.0f} %")
+    return "" if math.isnan(selection.confidence) else localize_number(f"{whole_percent(selection.confidence):.0f} %")
 
 
 @frozen
