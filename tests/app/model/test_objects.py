@@ -101,6 +101,7 @@ def test_objects_deleted_since_a_run_began_are_told_from_those_deleted_before_an
     twice = objects.delete_objects(again, [item.number for item in again.objects.items])
     assert len(twice.objects.find_deleted_since(begun.objects)) == 2
     assert objects.reject_objects(document, (1,), ()).objects.deleted == ()
+    assert objects.delete_objects(document, (1,)).objects.find_deleted_since(begun.objects) == (first,), "after an undo"
 
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:

@@ -80,6 +80,7 @@ def write_session_code(
     of the `saved` session, if there is one.
     """
     document, image, offered = session.document, session.image, session.scene.objects.proposals
+    gone = document.objects.rejected + session.deleted_objects
     known = KnownRuns.of_window(session, updater)
     session.messages.clear(EXPORTING_CATEGORY)
     if image is None:
@@ -89,7 +90,7 @@ def write_session_code(
         return ENDED_TASK
 
     def write(task: BackgroundTask) -> str:
-        code = _find_code(document, image, offered, "" if saved is None else str(saved), known, task)
+        code = _find_code(document, image, offered, bool(gone), "" if saved is None else str(saved), known, task)
         text = "" if code is None else code.write_script() if language == "python" else code.write_command()
         if text:
             return text
@@ -113,6 +114,7 @@ def _find_code(
     document: Document,
     image: Image,
     offered: Sequence[Proposal],
+    some_are_gone: bool,
     saved: str,
     known: KnownRuns,
     task: BackgroundTask,
@@ -123,7 +125,7 @@ def _find_code(
     shown = next((each for each in offered if each.clicks == objects.clicks), None)
     if shown is not None and shown.selection.has_boundary:  # the object that is being selected
         items.append(shown.proposed_object)
-    if objects.rejected and not items:  # of what the run proposes, what is left
+    if some_are_gone and not items:  # of what the run proposes, what is left
         items = [each.proposed_object for each in offered]
         if not items:
             return None

@@ -213,7 +213,8 @@ def test_contours_that_are_still_being_made_are_not_taken_for_those_of_the_run(r
         go_on.set()
 
 
-def test_proposals_that_were_rejected_are_left_out(ready, hand, tmp_path) -> None:
+@pytest.mark.parametrize("actions", [["reject"], ["accept", "delete_object"]], ids=["rejected", "deleted"])
+def test_proposals_that_are_gone_are_left_out(ready, hand, tmp_path, actions) -> None:
     selection = ready.workspace.object_selection
     ready.actions_by_name["mode_automatic"].trigger()
     hand.canvas.setFocus()
@@ -222,7 +223,9 @@ def test_proposals_that_were_rejected_are_left_out(ready, hand, tmp_path) -> Non
     hand.wait(lambda: selection.idle and len(selection.proposals) == 3)
     first, _, last = (each.selection for each in selection.proposals)
     ready.workspace.object_list.select_objects([selection.proposals[1].key])
-    hand.key(KEY.Key_X)
+    for action in actions:
+        ready.actions_by_name[action].trigger()
+    hand.qtbot.wait(20)
     hand.wait(lambda: selection.idle and len(selection.proposals) == 2)
     check_both(hand, tmp_path, (first, last))
 

@@ -738,6 +738,21 @@ def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
+def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_again_by_it(window, hand, objects) -> None:
+    click(hand, *SMALL[0])
+    take(hand)
+    hand.key(KEY.Key_Delete)
+    run_everywhere(hand)
+    for _ in range(2):  # the start, and the deletion
+        hand.key(KEY.Key_Z, CONTROL)
+    assert len(taken(window)) == 1
+    window.workspace.object_list.select_objects((1,))
+    hand.key(KEY.Key_Delete)
+    hand.qtbot.wait(20)
+    hand.wait(lambda: objects.idle and not taken(window))
+    assert [each.selection.contains(np.array([LARGE[0]])).all() for each in objects.proposals] == [True]
+
+
 def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path) -> None:
     run_everywhere(hand)
     take(hand)
