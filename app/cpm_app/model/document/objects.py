@@ -99,15 +99,6 @@ def reject_objects(document: Document, numbers: Iterable[int], offered: Iterable
     return _replace_objects(delete_objects(document, gone), rejected=kept, deleted=document.objects.deleted)
 
 
-def add_selections(document: Document, selections: Iterable[Selection], category: int) -> Document:
-    """Add an object of a class for each selection; the selection in progress stays."""
-    found = ((each, (Click(as_line(each.inside)),)) for each in selections if each.has_boundary)
-    return accept_objects(
-        document,
-        (object_from_selection(each, clicks, document.objects.next_number, category) for each, clicks in found),
-    )
-
-
 def object_from_contours(number: int, category: int, contours: Contours, gaps: Iterable[Array] = ()) -> SegmentedObject:
     """Make an object of closed contours, or of an open one.
 

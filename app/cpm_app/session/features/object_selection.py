@@ -1,10 +1,10 @@
-"""Proposals from clicks, the pointer and the run; refitting of objects by their clicks, and search for similar ones."""
+"""Proposals from clicks, the pointer, the run and similar objects; refitting of objects by their clicks."""
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -15,7 +15,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from cpm_app.model.document import objects
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.exchange.messages import CommandFailed, Report
-from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
@@ -26,6 +26,7 @@ from cpm_app.session.features.selector import (
     PartitionUpdater,
     Selector,
     find_proposals,
+    is_covered,
 )
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
@@ -34,13 +35,11 @@ from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Callback, frozen
-from cpm_core.objects.segmented import Click, selection_from_object, unite_regions
+from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
-from cpm_core.results import is_likely, whole_percent
-
-_SAME_OBJECT_COVERAGE = 0.5
-"""Share of an object covered by others from which it counts as one of them."""
+from cpm_core.results import whole_percent
 
 
 def format_confidence(selection: Selection) -> str:
@@ -84,6 +83,9 @@ class ObjectSelection(QObject):
         self._found: tuple[Proposal, ...] = ()
         self._is_searched = False
         """Whether the search in the partition has ended."""
+        self._alike: tuple[Proposal, ...] = ()
+        """Objects that are similar to one, offered until others are found."""
+        self._objects_before_alike, self._parts = SegmentedObjects(), IdentityCache()
         self._selectors: dict[int, Selector] = {}
         self._selectors_source: PartitionSource | None = None
         self._seen: dict[int, Mapping[Clicks, Selection | None]] = {}
@@ -268,51 +270,38 @@ class ObjectSelection(QObject):
         )
 
     def find_similar(self, number: int) -> None:
-        """Add all objects that are similar to one and not among the objects yet."""
+        """Propose all objects that are similar to one, and neither among the objects nor proposed or rejected yet."""
         partition, known = self.partition_updater.partition, self._session.document.objects
         if partition is None:
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
-        example, attended = known[number], (self._session.scene.objects.selected, known.clicks)
+        example, offered, first = known[number], self.proposals, len(self._found)
 
-        def find_new(task: BackgroundTask) -> list[Selection]:
-            found = select_all(partition, [selection_from_object(example, partition.shape)])
-            taken = unite_regions((item.region for item in known.items), partition.shape)
-            regions = [(each, each.region, taken[each.region.window]) for each in found[1:]]
-            new = [
-                each
-                for each, region, there in regions
-                if (region.mask & there).sum() < _SAME_OBJECT_COVERAGE * region.count
-            ]
-            return new if known.may_overlap else [partition.remove_pixels(each, taken) for each in new]
+        def find_new(task: BackgroundTask) -> tuple[Proposal, ...]:
+            found = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
+            seen = (each.proposed_object for each in offered if each.selection.has_boundary)
+            there = (*known.items, *known.rejected, *seen)
+            new = [each for each in found if each.has_boundary and not is_covered(each.region, there)]
+            return tuple(
+                Proposal(each, (Click(as_line(each.inside)),), 0, ~(first + index), category=example.category)
+                for index, each in enumerate(new)
+            )
 
-        def add_found(found: list[Selection]) -> None:
+        def offer(new: tuple[Proposal, ...]) -> None:
             if partition.image is not self._session.image:
                 return
-            made = [each for each in found if each.has_boundary]
-            if not made:
+            if not new:
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
-            here = self._session.scene.objects.selected, self._session.document.objects.clicks
-            before = {item.number for item in self._session.document.objects.items}
-            self._session.edit(
-                tr("all like this"), lambda document: objects.add_selections(document, made, example.category)
-            )
-            new = (item.number for item in self._session.document.objects.items if item.number not in before)
-            doubtful = [number for number, each in zip(new, made, strict=True) if not is_likely(each)]
-            words = tr("Objects like this one: {count}.", count=len(made))
-            if doubtful and here != attended:  # what the user has turned to meanwhile stays selected
-                words += " " + tr("Doubtful: {count}.", count=len(doubtful))
-            elif doubtful:
-                self._list.select_objects(doubtful)
-                one = tr("1 of them is doubtful and now selected; Delete removes it.")
-                several = tr("{count} of them are doubtful and now selected; Delete removes them.")
-                words += " " + (one if len(doubtful) == 1 else several.format(count=len(doubtful)))
-            self._session.messages.show(words)
+            self._alike, self._objects_before_alike = new, known
+            if self._session.scene.objects.selected == {number}:  # which would keep Enter from what was found
+                self._list.select_objects(())
+            self._session.messages.show(tr("Objects like this one: {count}.", count=len(new)))
+            self._request_answer()
 
         self._session.tasks.start_task(
-            tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found
+            tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=offer
         )
 
     # Internal
@@ -321,7 +310,7 @@ class ObjectSelection(QObject):
     def _offer_is_shown(self) -> bool:
         """Whether what was found last, to be offered, is shown, and is all that can be found."""
         updater, answered = self.partition_updater, self._answered
-        shown = answered is not None and answered[0].offered is self._found
+        shown = answered is not None and answered[0].offered[: len(self._found)] == self._found
         return shown and self._is_searched and updater.is_current and not updater.preparing
 
     def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:
@@ -392,20 +381,25 @@ class ObjectSelection(QObject):
         if self._searched is not partition:
             self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
-            found = partial(self._on_objects_found, partition)
+            found, known = partial(self._on_objects_found, partition), self._session.document.objects
+            there = (*known.items, *known.rejected)
+
+            def find_and_number(task: BackgroundTask) -> tuple[Proposal, ...]:
+                new_first = sorted(find(task), key=lambda each: is_covered(each.selection.region, there))
+                return tuple(replace(each, key=~index) for index, each in enumerate(new_first))
 
             def report_failure(message: str) -> Report:
                 self._session.tasks.call_in_window(partial(found, ()))
                 return CommandFailed(message)
 
             self._finding = self._session.tasks.start_task(
-                name, find, tr("finding objects"), report_failure, on_result=found
+                name, find_and_number, tr("finding objects"), report_failure, on_result=found
             )
         return self._found
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
-            self._found, self._is_searched = found, True
+            self._found, self._alike, self._is_searched = found, (), True
             if found and not self.selecting:
                 self._list.select_objects(())  # an object accepted before would keep Enter from what was found
             self._request_answer()
@@ -413,7 +407,9 @@ class ObjectSelection(QObject):
 
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
-        known, found = self._session.document.objects, self._find_offered(partition)
+        known = self._session.document.objects
+        deleted = known.find_deleted_since(self._objects_before_alike)
+        found = (*self._find_offered(partition), *self._parts.get(_leave_out, self._alike, deleted))
         rejected = known.rejected + self._session.deleted_objects
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
@@ -570,10 +566,15 @@ class ObjectSelection(QObject):
         self._latest.drop_waiting()
         self._finding.cancel()
         self._finding = ENDED_TASK
-        self._selectors, self._seen, self._found = {}, {}, ()
+        self._selectors, self._seen, self._found, self._alike = {}, {}, (), ()
         self._waiting.clear()
         self.selector = self._answered = self._pointed = self._searched = None
         self._steps, self._run_ended, self._asked = 0, False, ()
+
+
+def _leave_out(offered: tuple[Proposal, ...], items: Sequence[SegmentedObject]) -> tuple[Proposal, ...]:
+    """Leave out the proposals of some objects."""
+    return tuple(each for each in offered if not is_covered(each.selection.region, items))
 
 
 def describe_no_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:
