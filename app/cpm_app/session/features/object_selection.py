@@ -72,7 +72,7 @@ class ObjectSelection(QObject):
         super().__init__(session)
         self._session, self._list = session, object_list
         self._pages, self._followed_objects = pages, followed_objects
-        self._in_use, self._run_ended = False, False
+        self._in_use, self._run_ended, self._was_running = False, False, False
         self._pointed: Click | None = None
         self._steps = 0
         self._waiting: deque[WaitingAction] = deque()
@@ -108,6 +108,7 @@ class ObjectSelection(QObject):
         later = Qt.ConnectionType.QueuedConnection  # a search that begins is not known yet
         session.tasks.changed.connect(self._catch_up, later)  # a search may have been canceled
         session.store.scene_changed.connect(self._on_scene_changed)
+        session.store.status_changed.connect(self._on_status_changed)
         session.image_changed.connect(self._on_image_changed)
         followed_objects.search_changed.connect(self.search_again)
 
@@ -364,6 +365,13 @@ class ObjectSelection(QObject):
             self._run_ended = over
             self._request_answer()
 
+    def _on_status_changed(self) -> None:
+        """Preview no click while particles move."""
+        running = self._session.store.status.phase == "running"
+        if running != self._was_running:
+            self._was_running = running
+            self._request_answer()
+
     def _find_offered(self, partition: AnyPartition) -> tuple[Proposal, ...]:
         """Return the objects of the previous page, or what the run proposes, as soon as they are found."""
         source, follow = self.partition_updater.source, self._followed_objects.search
@@ -434,11 +442,14 @@ class ObjectSelection(QObject):
             return
         changed = self.selector is not None and known.items is not self.selector.items
         gone = {click for item in known.items for click in item.clicks} if changed else set()  # accepted meanwhile
+        if changed:  # a click there may mean something else now: previewed again when the pointer moves
+            self._pointed = None
+            self._update_shown_objects(preview=None)
         self._set_proposals(
             tuple(each for each in self.proposals if not gone.issuperset(each.clicks) and (each.key or known.clicks))
         )
         pointed, stepped = None, None
-        if self._pointed is not None and self.answered and not self._waiting:
+        if self._pointed is not None and self.answered and not (self._waiting or self._was_running):
             before, number = self._clicks_to_extend(self._pointed)
             pointed = self._get_selector(partition, number), before, self._pointed
         if self._steps:

@@ -109,6 +109,24 @@ def test_the_pointer_shows_what_a_click_takes_and_the_click_takes_that(window, h
     assert not layer.added.count
 
 
+def test_no_click_is_previewed_while_a_run_goes_on(window, hand, objects) -> None:
+    window.actions_by_name["start_grid"].trigger()
+    hand.move(18, 18)
+    hand.wait(lambda: window.session.scene.objects.preview is not None)
+    window.session.set_pace(1.0)
+    try:
+        hand.key(KEY.Key_Space)
+        hand.wait(lambda: window.session.scene.objects.preview is None)
+        assert window.session.status.phase == "running"
+        hand.move(19, 19)
+        hand.qtbot.wait(50)
+        assert window.session.scene.objects.preview is None
+        hand.key(KEY.Key_Space)
+        hand.wait(lambda: window.session.scene.objects.preview is not None)
+    finally:
+        window.session.set_pace(None)
+
+
 def test_what_a_click_with_shift_would_remove_is_hatched_before_it(window, hand, objects, layer) -> None:
     click(hand, 18, 18)
     click(hand, 43, 42)
@@ -124,9 +142,13 @@ def test_what_a_click_with_shift_would_remove_is_hatched_before_it(window, hand,
 
 
 def test_enter_accepts_the_object_without_a_word_and_the_next_click_begins_the_next(window, hand, objects) -> None:
+    hand.move(18, 18)
     click(hand, 18, 18)
     hand.key(KEY.Key_Return)
     assert hand.canvas.hasFocus()  # no field takes Space or another Enter
+    hand.wait(lambda: objects.idle)
+    hand.qtbot.wait(20)
+    assert window.session.scene.objects.preview is None
     (item,) = taken(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     assert not objects.selecting
