@@ -172,7 +172,7 @@ class CanvasArea(QWidget):
         tool = self.canvas.dispatcher.tool
         if tool.has_draft:
             tool.finish()
-        elif self._can_accept or self._selection.awaits_offer:
+        elif self._can_accept or (self._selection.awaits_offer and not self._workspace.object_list.selected_keys):
             accept = self._workspace.object_commands.accept_pending
             self._selection.do_in_order(accept, needs_offer=not self._can_accept)
         else:

@@ -35,7 +35,8 @@ def test_objects_that_were_found_are_counted_and_enter_accepts_them(ready, hand)
     assert "Enter accepts it" in said
     hand.key(KEY.Key_Return)
     assert len(ready.session.document.objects.items) == 1
-    assert "Enter accepts" not in ready.canvas_area.hint.text()
+    ready.workspace.object_list.select_objects(())
+    hand.wait(lambda: ready.canvas_area.hint.text() == "Objects: 1. Ctrl+E exports them.")
 
 
 def test_enter_accepts_the_objects_of_a_run_that_are_being_found_once_they_are_offered(
