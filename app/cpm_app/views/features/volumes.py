@@ -206,6 +206,10 @@ class PagesFeature(Feature):
             document = situation.document
             return document.mode != "skeleton" and bool(document.starts or document.objects.items)
 
+        def name_run(_: Situation) -> str:
+            every = tr("Run all &channels") if pages.source.kind == "channel" else tr("Run all &pages")
+            return tr("Stop") if pages.running else every
+
         def toggle_run() -> None:
             if pages.running:
                 pages.cancel()
@@ -220,7 +224,7 @@ class PagesFeature(Feature):
                        "pages are kept. It needs a start; without one the accepted objects are followed.",
                        toggle_run, "Ctrl+Shift+Return", gap=True, visible_when=is_stack,
                        when=lambda now: pages.running or (can_run(now) and not followed.running),
-                       text_for=lambda _: tr("Stop") if pages.running else tr("Run all &pages")),
+                       text_for=name_run),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all pages after it, one after the other, in the background.",
                        lambda: pages.run_all(pages.number), visible_when=is_stack,

@@ -119,6 +119,7 @@ def test_an_object_that_is_not_found_again_ends_in_time_and_not_between_channels
     window.session.messages.shown.connect(lambda message, *_: shown.append(message))
     take(window, hand, *(each[:2] for each in MOVING[0]))
     go(window, hand, 2)
+    assert window.get_feature(PagesFeature).bar.run.text() == ("Run all pages" if told else "Run all channels")
     assert numbers_offered(window) == ([1] if told else [])  # channels are followed when the user says so
     if not told:
         toggle_following(window, hand)
