@@ -44,9 +44,9 @@ class Proposal:
     key : int
         Key for selecting it, below 0, constant while it is offered; 0 for the object of the clicks.
     followed_object : SegmentedObject or None
-        The object that it was followed from page to page as, whose name and color it gets.
+        The object that it was followed from page to page as, whose name, class and color it gets.
     category : int
-        The class that it gets; 0 for that of the next object.
+        The class of the object that it is like; 0 for another one.
     """
 
     selection: Selection
@@ -58,10 +58,9 @@ class Proposal:
 
     @cached_property
     def proposed_object(self) -> SegmentedObject:
-        """The object that accepting it would create, of the first class unless it has one; needs a boundary."""
-        made = object_from_selection(self.selection, self.clicks, self.number or 1, self.category or 1)
-        known = self.followed_object
-        return made if known is None else replace(made, name=known.name, color=known.color)
+        """The object that accepting it would create, of the first class unless it was followed; needs a boundary."""
+        made, known = object_from_selection(self.selection, self.clicks, self.number or 1, 1), self.followed_object
+        return made if known is None else replace(made, name=known.name, color=known.color, category=known.category)
 
 
 @record

@@ -277,25 +277,27 @@ class ObjectSelection(QObject):
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
-        example, offered, first = known[number], self.proposals, len(self._found)
+        example, offered = known[number], self.proposals
 
-        def find_new(task: BackgroundTask) -> tuple[Proposal, ...]:
+        def find_new(task: BackgroundTask) -> list[Selection]:
             found = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
             seen = (each.proposed_object for each in offered if each.selection.has_boundary)
             there = (*known.items, *known.rejected, *seen)
-            new = [each for each in found if each.has_boundary and not is_covered(each.region, there)]
-            return tuple(
-                Proposal(each, (Click(as_line(each.inside)),), 0, ~(first + index), category=example.category)
-                for index, each in enumerate(new)
-            )
+            return [each for each in found if each.has_boundary and not is_covered(each.region, there)]
 
-        def offer(new: tuple[Proposal, ...]) -> None:
+        def offer(new: list[Selection]) -> None:
             if partition.image is not self._session.image:
                 return
             if not new:
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
-            self._alike, self._objects_before_alike = new, known
+            kept = _leave_out(self._alike, known.find_deleted_since(self._objects_before_alike))
+            last = min((each.key for each in (*self._found, *kept)), default=0)
+            made = (
+                Proposal(each, (Click(as_line(each.inside)),), key=last - at, category=example.category)
+                for at, each in enumerate(new, 1)
+            )
+            self._alike, self._objects_before_alike = (*kept, *made), known
             if self._session.scene.objects.selected == {number}:  # which would keep Enter from what was found
                 self._list.select_objects(())
             self._session.messages.show(tr("Objects like this one: {count}.", count=len(new)))

@@ -825,13 +825,17 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
-def test_what_the_user_has_turned_to_meanwhile_stays_selected_when_objects_like_one_are_found(
+def test_what_the_user_has_turned_to_and_what_is_proposed_stay_when_objects_like_one_are_found(
     window, hand, objects, monkeypatch
 ) -> None:
-    may_find, listed = threading.Event(), window.workspace.object_list
-    monkeypatch.setattr(
-        object_selection, "select_all", lambda cut, like: may_find.wait(20.0) and (like[0], cut.select([(58.0, 6.0)]))
-    )
+    may_find, listed, places = threading.Event(), window.workspace.object_list, [(5.0, 58.0), (58.0, 6.0)]
+
+    def find_one(cut, like):
+        may_find.wait(20.0)
+        place = places.pop()
+        return like[0], cut.build_selection(disk(place, 3.0), np.array([place]))
+
+    monkeypatch.setattr(object_selection, "select_all", find_one)
     for where in (SMALL, LARGE):
         click(hand, *where[0])
         take(hand)
@@ -840,6 +844,8 @@ def test_what_the_user_has_turned_to_meanwhile_stays_selected_when_objects_like_
     may_find.set()
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
     assert listed.selected_numbers == {1}
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
 def test_proposals_of_a_run_are_numbered_from_one_though_others_were_accepted_before(window, hand, objects) -> None:
