@@ -63,7 +63,7 @@ from cpm_core.objects import Selection
 from cpm_core.objects.segmented import select_by_clicks
 from cpm_core.parameters import PRESETS, Parameters, Provenance
 from cpm_core.parameters.formatting import format_count, format_size
-from cpm_core.results import FoundObjects, boundaries_in_image, replace_by_objects
+from cpm_core.results import FoundObjects, boundaries_in_image, replace_by_objects, whole_percent
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import find_seeded_methods
 from cpm_core.segmentation.select import partition
@@ -327,7 +327,7 @@ def _describe_contours(result: Result, chosen: Sequence[Selection], seconds: flo
             lines.append(
                 f"{title}: "
                 "area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, "
-                "confidence {share:.0f} %".format(share=100.0 * one.confidence, **on_object)
+                "confidence {share:.0f} %".format(share=whole_percent(one.confidence), **on_object)
             )
     if len(chosen) > _MAX_PRINTED_OBJECTS:
         lines.append(f"... and {len(chosen) - _MAX_PRINTED_OBJECTS} more objects")

@@ -45,6 +45,8 @@ class Proposal:
         Key for selecting it, below 0, constant while it is offered; 0 for the object of the clicks.
     followed_object : SegmentedObject or None
         The object that it was followed from page to page as, whose name, class and color it gets.
+    category : int
+        The class of the object that it is like; 0 for another one.
     """
 
     selection: Selection
@@ -52,6 +54,7 @@ class Proposal:
     number: int = 0
     key: int = 0
     followed_object: SegmentedObject | None = None
+    category: int = 0
 
     @cached_property
     def proposed_object(self) -> SegmentedObject:

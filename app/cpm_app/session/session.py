@@ -40,7 +40,7 @@ from cpm_app.session.session_messages import (
     SessionMessages,
 )
 from cpm_app.session.tasks.opening import Opener, OpenRequest
-from cpm_app.session.tasks.tasks import ENDED_TASK, TaskManager
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask, TaskManager
 from cpm_app.session.undo_history import Change, TimelinePlace, UndoHistory
 from cpm_app.session.worker.commands import (
     RunsRestored,
@@ -410,11 +410,14 @@ class Session(QObject):
         self._worker_thread.send_report(opened)
         self._start_polling()
 
-    def export_files(self, order: ExportOrder, on_encoded: Callable[[tuple[bytes, ...]], object] | None = None) -> None:
+    def export_files(
+        self, order: ExportOrder, on_encoded: Callable[[tuple[bytes, ...]], object] | None = None
+    ) -> BackgroundTask:
         """Write files, all or none, or only encode them and pass their contents to `on_encoded`."""
         self.messages.clear(EXPORTING_CATEGORY)
         task = self.tasks.begin_task(tr("Writing {name}…", name=order.files[0].path.name))
         self.post_command(write_files(task, self.scene.reconstruction, self.document, order, on_encoded))
+        return task
 
     def warm_up(self) -> None:
         """Compile or load the kernels before the first step needs them."""

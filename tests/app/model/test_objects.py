@@ -19,7 +19,7 @@ from cpm_core.formats.masks.labels import paint_labels
 from cpm_core.image.region import Region
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObjects
 from cpm_core.objects.selection import Selection
-from cpm_core.results import Result, boundaries_result
+from cpm_core.results import Result, boundaries_result, is_likely
 from cpm_core.shapes import Barrier, Polygon, Stroke
 
 HERE, THERE, NOT_THERE = Click(((15.0, 15.0),)), Click(((30.0, 30.0),)), Click(((1.0, 1.0),), inside=False)
@@ -70,7 +70,7 @@ def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own
     assert numbers(accepted(objects.delete_objects(document, (1,)), FRAME, (HERE,))) == [2, 3]
 
 
-@pytest.mark.parametrize("confidence", [0.9146, 0.4996, 0.00449])
+@pytest.mark.parametrize("confidence", [0.9146, 0.7, 0.696, 0.4996, 0.00449])
 def test_an_object_is_as_likely_everywhere_as_the_selection_that_it_was(confidence) -> None:
     selection = selected((4.5, 25.5), confidence=confidence)
     item = objects.object_from_selection(selection, (HERE,), 1, 1)
@@ -78,6 +78,7 @@ def test_an_object_is_as_likely_everywhere_as_the_selection_that_it_was(confiden
     columns = {column.name: column for column in build_object_columns(SegmentedObjects((item,)))}
     cell = columns["confidence"].format_cell(ObjectRow(("object", 1), "object", "object 1", item), 1.0)
     assert cell == format_confidence(selection)
+    assert (int(cell.split()[0]) >= 70) == is_likely(selection)
 
 
 def test_rejected_objects_are_kept_and_leave_no_gap_in_the_numbers(document) -> None:
@@ -100,6 +101,7 @@ def test_objects_deleted_since_a_run_began_are_told_from_those_deleted_before_an
     twice = objects.delete_objects(again, [item.number for item in again.objects.items])
     assert len(twice.objects.find_deleted_since(begun.objects)) == 2
     assert objects.reject_objects(document, (1,), ()).objects.deleted == ()
+    assert objects.delete_objects(document, (1,)).objects.find_deleted_since(begun.objects) == (first,), "after an undo"
 
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:

@@ -99,15 +99,6 @@ def reject_objects(document: Document, numbers: Iterable[int], offered: Iterable
     return _replace_objects(delete_objects(document, gone), rejected=kept, deleted=document.objects.deleted)
 
 
-def add_selections(document: Document, selections: Iterable[Selection], category: int) -> Document:
-    """Add an object of a class for each selection; the selection in progress stays."""
-    found = ((each, (Click(as_line(each.inside)),)) for each in selections if each.has_boundary)
-    return accept_objects(
-        document,
-        (object_from_selection(each, clicks, document.objects.next_number, category) for each, clicks in found),
-    )
-
-
 def object_from_contours(number: int, category: int, contours: Contours, gaps: Iterable[Array] = ()) -> SegmentedObject:
     """Make an object of closed contours, or of an open one.
 
@@ -189,7 +180,7 @@ def delete_objects(document: Document, numbers: Iterable[int]) -> Document:
     """Delete objects."""
     gone, objects = frozenset(numbers), document.objects
     left = tuple(item for item in objects.items if item.number not in gone)
-    deleted = (*objects.deleted, *(item for item in objects.items if item.number in gone))
+    deleted = (*objects.deleted, *(replace(item) for item in objects.items if item.number in gone))
     over = {"clicks": (), "edited": 0} if objects.edited in gone else {}
     return _replace_objects(document, items=left, deleted=deleted, **over)
 

@@ -84,6 +84,10 @@ def objects_from_proposals(offered: tuple[Proposal, ...], known: SegmentedObject
     """Make the objects that proposals would become, each with a unique number."""
     found = enumerate((each for each in offered if each.selection.has_boundary), start=known.next_number)
     return tuple(
-        replace(each.proposed_object, number=each.number or fresh, category=(each.followed_object or known).category)
+        replace(
+            each.proposed_object,
+            number=each.number or fresh,
+            category=each.category or (each.followed_object or known).category,
+        )
         for fresh, each in found
     )

@@ -1,20 +1,21 @@
-"""Proposals from clicks, the pointer and the run; refitting of objects by their clicks, and search for similar ones."""
+"""Proposals from clicks, the pointer, the run and similar objects; refitting of objects by their clicks."""
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, Qt, Signal
 
 from cpm_app.model.document import objects
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
-from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.exchange.messages import CommandFailed, Report
+from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
@@ -25,6 +26,7 @@ from cpm_app.session.features.selector import (
     PartitionUpdater,
     Selector,
     find_proposals,
+    is_covered,
 )
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
@@ -33,26 +35,25 @@ from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Callback, frozen
-from cpm_core.objects.segmented import Click, selection_from_object, unite_regions
+from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
-from cpm_core.results import is_likely
-
-_SAME_OBJECT_COVERAGE = 0.5
-"""Share of an object covered by others from which it counts as one of them."""
+from cpm_core.results import whole_percent
 
 
 def format_confidence(selection: Selection) -> str:
     """Format the confidence of an object as text; empty where it is unknown."""
-    return "" if math.isnan(selection.confidence) else localize_number(f"{100.0 * selection.confidence:.0f} %")
+    return "" if math.isnan(selection.confidence) else localize_number(f"{whole_percent(selection.confidence):.0f} %")
 
 
 @frozen
 class WaitingAction:
-    """An action that waits for the answer to earlier ones, and the click that it will make, if it is one."""
+    """An action that waits for the answer to earlier ones, or for what is offered; perhaps it makes a click."""
 
     run: Callback
     click: Click | None
+    needs_offer: bool
 
 
 class ObjectSelection(QObject):
@@ -71,7 +72,7 @@ class ObjectSelection(QObject):
         super().__init__(session)
         self._session, self._list = session, object_list
         self._pages, self._followed_objects = pages, followed_objects
-        self._in_use, self._run_ended = False, False
+        self._in_use, self._run_ended, self._was_running = False, False, False
         self._pointed: Click | None = None
         self._steps = 0
         self._waiting: deque[WaitingAction] = deque()
@@ -82,6 +83,9 @@ class ObjectSelection(QObject):
         self._found: tuple[Proposal, ...] = ()
         self._is_searched = False
         """Whether the search in the partition has ended."""
+        self._alike: tuple[Proposal, ...] = ()
+        """Objects that are similar to one, offered until others are found."""
+        self._objects_before_alike, self._parts = SegmentedObjects(), IdentityCache()
         self._selectors: dict[int, Selector] = {}
         self._selectors_source: PartitionSource | None = None
         self._seen: dict[int, Mapping[Clicks, Selection | None]] = {}
@@ -101,7 +105,10 @@ class ObjectSelection(QObject):
         self.partition_updater.changed.connect(self.changed)
         session.document_changed.connect(lambda _: self.partition_updater.update_partition())
         session.document_changed.connect(lambda _: self._request_answer())
+        later = Qt.ConnectionType.QueuedConnection  # a search that begins is not known yet
+        session.tasks.changed.connect(self._catch_up, later)  # a search may have been canceled
         session.store.scene_changed.connect(self._on_scene_changed)
+        session.store.status_changed.connect(self._on_status_changed)
         session.image_changed.connect(self._on_image_changed)
         followed_objects.search_changed.connect(self.search_again)
 
@@ -145,8 +152,14 @@ class ObjectSelection(QObject):
     @property
     def offer_is_known(self) -> bool:
         """Whether all that the run offers is shown; true if it offers nothing."""
-        shown = self._answered is not None and self._answered[0] is self.selector
-        return not self._offers_run or (shown and self._is_searched and self.partition_updater.is_current)
+        return not self._offers_run or self._offer_is_shown
+
+    @property
+    def awaits_offer(self) -> bool:
+        """Whether objects of the run or of the previous page are being found; false if that was canceled."""
+        given_up = self._finding.is_cancelled or self.partition_updater.has_failed
+        offers = self._offers_run or self._followed_objects.search is not None
+        return offers and not (self._offer_is_shown or given_up)
 
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
@@ -194,7 +207,9 @@ class ObjectSelection(QObject):
         else:
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
 
-    def do_in_order(self, action: Callback, click: Click | None = None, *, needs_answer: bool = True) -> None:
+    def do_in_order(
+        self, action: Callback, click: Click | None = None, *, needs_answer: bool = True, needs_offer: bool = False
+    ) -> None:
         """Do what the user wants after all that was wanted before: now, or as soon as the answers to it are known.
 
         Parameters
@@ -205,9 +220,11 @@ class ObjectSelection(QObject):
             The click that it makes, which is marked until its answer is shown.
         needs_answer : bool
             Whether it depends on what the clicks of the document select.
+        needs_offer : bool
+            Whether it is for what is being found, to be offered.
         """
-        if self._waiting or self._steps or (needs_answer and not self.answered):
-            self._waiting.append(WaitingAction(action, click))
+        if self._waiting or self._steps or (needs_answer and not self.answered) or (needs_offer and self.awaits_offer):
+            self._waiting.append(WaitingAction(action, click, needs_offer))
             self._show_awaited_clicks()
             self.changed.emit()
         else:
@@ -254,54 +271,50 @@ class ObjectSelection(QObject):
         )
 
     def find_similar(self, number: int) -> None:
-        """Add all objects that are similar to one and not among the objects yet."""
+        """Propose all objects that are similar to one, and neither among the objects nor proposed or rejected yet."""
         partition, known = self.partition_updater.partition, self._session.document.objects
         if partition is None:
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
-        example, attended = known[number], (self._session.scene.objects.selected, known.clicks)
+        example, offered = known[number], self.proposals
 
         def find_new(task: BackgroundTask) -> list[Selection]:
-            found = select_all(partition, [selection_from_object(example, partition.shape)])
-            taken = unite_regions((item.region for item in known.items), partition.shape)
-            regions = [(each, each.region, taken[each.region.window]) for each in found[1:]]
-            new = [
-                each
-                for each, region, there in regions
-                if (region.mask & there).sum() < _SAME_OBJECT_COVERAGE * region.count
-            ]
-            return new if known.may_overlap else [partition.remove_pixels(each, taken) for each in new]
+            found = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
+            seen = (each.proposed_object for each in offered if each.selection.has_boundary)
+            there = (*known.items, *known.rejected, *seen)
+            return [each for each in found if each.has_boundary and not is_covered(each.region, there)]
 
-        def add_found(found: list[Selection]) -> None:
+        def offer(new: list[Selection]) -> None:
             if partition.image is not self._session.image:
                 return
-            made = [each for each in found if each.has_boundary]
-            if not made:
+            if not new:
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
-            here = self._session.scene.objects.selected, self._session.document.objects.clicks
-            before = {item.number for item in self._session.document.objects.items}
-            self._session.edit(
-                tr("all like this"), lambda document: objects.add_selections(document, made, example.category)
+            kept = _leave_out(self._alike, known.find_deleted_since(self._objects_before_alike))
+            last = min((each.key for each in (*self._found, *kept)), default=0)
+            made = (
+                Proposal(each, (Click(as_line(each.inside)),), key=last - at, category=example.category)
+                for at, each in enumerate(new, 1)
             )
-            new = (item.number for item in self._session.document.objects.items if item.number not in before)
-            doubtful = [number for number, each in zip(new, made, strict=True) if not is_likely(each)]
-            words = tr("Objects like this one: {count}.", count=len(made))
-            if doubtful and here != attended:  # what the user has turned to meanwhile stays selected
-                words += " " + tr("Doubtful: {count}.", count=len(doubtful))
-            elif doubtful:
-                self._list.select_objects(doubtful)
-                one = tr("1 of them is doubtful and now selected; Delete removes it.")
-                several = tr("{count} of them are doubtful and now selected; Delete removes them.")
-                words += " " + (one if len(doubtful) == 1 else several.format(count=len(doubtful)))
-            self._session.messages.show(words)
+            self._alike, self._objects_before_alike = (*kept, *made), known
+            if self._session.scene.objects.selected == {number}:  # which would keep Enter from what was found
+                self._list.select_objects(())
+            self._session.messages.show(tr("Objects like this one: {count}.", count=len(new)))
+            self._request_answer()
 
         self._session.tasks.start_task(
-            tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=add_found
+            tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=offer
         )
 
     # Internal
+
+    @property
+    def _offer_is_shown(self) -> bool:
+        """Whether what was found last, to be offered, is shown, and is all that can be found."""
+        updater, answered = self.partition_updater, self._answered
+        shown = answered is not None and answered[0].offered[: len(self._found)] == self._found
+        return shown and self._is_searched and updater.is_current and not updater.preparing
 
     def _set_clicks(self, undo_text: str, clicks: Clicks, number: int = 0) -> None:
         self._session.edit(undo_text, lambda document: objects.set_selection_clicks(document, clicks, number))
@@ -354,6 +367,13 @@ class ObjectSelection(QObject):
             self._run_ended = over
             self._request_answer()
 
+    def _on_status_changed(self) -> None:
+        """Preview no click while particles move."""
+        running = self._session.store.status.phase == "running"
+        if running != self._was_running:
+            self._was_running = running
+            self._request_answer()
+
     def _find_offered(self, partition: AnyPartition) -> tuple[Proposal, ...]:
         """Return the objects of the previous page, or what the run proposes, as soon as they are found."""
         source, follow = self.partition_updater.source, self._followed_objects.search
@@ -366,17 +386,30 @@ class ObjectSelection(QObject):
             find = partial(find_proposals, source, continues, pages.proposed)
             name = tr("Finding the objects of the run…")
         else:
+            self._searched, self._found, self._is_searched = None, (), True
             return ()
         if self._searched is not partition:
             self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
-            found = partial(self._on_objects_found, partition)
-            self._finding = self._session.tasks.start_task(name, find, tr("finding objects"), on_result=found)
+            found, known = partial(self._on_objects_found, partition), self._session.document.objects
+            there = (*known.items, *known.rejected)
+
+            def find_and_number(task: BackgroundTask) -> tuple[Proposal, ...]:
+                new_first = sorted(find(task), key=lambda each: is_covered(each.selection.region, there))
+                return tuple(replace(each, key=~index) for index, each in enumerate(new_first))
+
+            def report_failure(message: str) -> Report:
+                self._session.tasks.call_in_window(partial(found, ()))
+                return CommandFailed(message)
+
+            self._finding = self._session.tasks.start_task(
+                name, find_and_number, tr("finding objects"), report_failure, on_result=found
+            )
         return self._found
 
     def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
-            self._found, self._is_searched = found, True
+            self._found, self._alike, self._is_searched = found, (), True
             if found and not self.selecting:
                 self._list.select_objects(())  # an object accepted before would keep Enter from what was found
             self._request_answer()
@@ -384,7 +417,9 @@ class ObjectSelection(QObject):
 
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
-        known, found = self._session.document.objects, self._find_offered(partition)
+        known = self._session.document.objects
+        deleted = known.find_deleted_since(self._objects_before_alike)
+        found = (*self._find_offered(partition), *self._parts.get(_leave_out, self._alike, deleted))
         rejected = known.rejected + self._session.deleted_objects
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
@@ -409,11 +444,14 @@ class ObjectSelection(QObject):
             return
         changed = self.selector is not None and known.items is not self.selector.items
         gone = {click for item in known.items for click in item.clicks} if changed else set()  # accepted meanwhile
+        if changed:  # a click there may mean something else now: previewed again when the pointer moves
+            self._pointed = None
+            self._update_shown_objects(preview=None)
         self._set_proposals(
             tuple(each for each in self.proposals if not gone.issuperset(each.clicks) and (each.key or known.clicks))
         )
         pointed, stepped = None, None
-        if self._pointed is not None and self.answered and not self._waiting:
+        if self._pointed is not None and self.answered and not (self._waiting or self._was_running):
             before, number = self._clicks_to_extend(self._pointed)
             pointed = self._get_selector(partition, number), before, self._pointed
         if self._steps:
@@ -486,6 +524,8 @@ class ObjectSelection(QObject):
         self._is_catching_up = True
         try:
             while self._waiting and self.answered and not self._steps:
+                if self._waiting[0].needs_offer and self.awaits_offer:
+                    break
                 self._waiting.popleft().run()
         finally:
             self._is_catching_up = False
@@ -538,10 +578,16 @@ class ObjectSelection(QObject):
     def _on_image_changed(self) -> None:
         self._latest.drop_waiting()
         self._finding.cancel()
-        self._selectors, self._seen, self._found = {}, {}, ()
+        self._finding = ENDED_TASK
+        self._selectors, self._seen, self._found, self._alike = {}, {}, (), ()
         self._waiting.clear()
         self.selector = self._answered = self._pointed = self._searched = None
         self._steps, self._run_ended, self._asked = 0, False, ()
+
+
+def _leave_out(offered: tuple[Proposal, ...], items: Sequence[SegmentedObject]) -> tuple[Proposal, ...]:
+    """Leave out the proposals of some objects."""
+    return tuple(each for each in offered if not is_covered(each.selection.region, items))
 
 
 def describe_no_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:

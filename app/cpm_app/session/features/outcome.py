@@ -26,10 +26,14 @@ def describe_outcome(workspace: Workspace) -> str:
     if isinstance(status.found, Skeleton):
         found = describe_skeleton(status.found, document.image)
         return f"{found} {insert_keys(tr('{key:export} exports it.'))}" if status.contours else found
+    selection, items = workspace.object_selection, document.objects.items
+    offered_before = selection.selector is not None and selection.selector.offered
+    if items and offered_before and not selection.awaits_offer:  # all of them are accepted or rejected
+        return insert_keys(tr("Objects: {count}. {key:export} exports them."), count=len(items))
     found = describe_surface(status.surface) if document.has_volume else describe_contours(status.contours)
     shown = workspace.session.scene.result
     ended = shown is not None and bool(shown.stop_reason)  # what is shown may come from a step before the end
-    return f"{found} {describe_lack(workspace)}" if ended and not document.objects.items else found
+    return f"{found} {describe_lack(workspace)}" if ended and (selection.awaits_offer or not items) else found
 
 
 def describe_lack(workspace: Workspace) -> str:
@@ -38,7 +42,7 @@ def describe_lack(workspace: Workspace) -> str:
     status, shown = session.status, session.scene.result
     sentence = status.busy or tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run.")
     running = status.phase == "running" or (status.started and status.found is None)
-    if running or not (selection.offer_is_known or selection.idle):
+    if running or (selection.awaits_offer and not selection.offer_is_known):
         sentence = tr("The objects of the run are still being found.")
     elif shown is not None and shown.stop_reason:
         sentence = tr("No object is offered: click one ({key:objects}).")

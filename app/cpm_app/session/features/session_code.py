@@ -18,7 +18,7 @@ from cpm_app.session.features.selector import AnyPartition, EverywhereRun, Parti
 from cpm_app.session.scene import Proposal
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EXPORTING_CATEGORY
-from cpm_app.session.tasks.tasks import BackgroundTask
+from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Image, Result, Selection, partition, run
 from cpm_core.formats import SessionFile
 from cpm_core.formats.sessions.session_code import (
@@ -72,7 +72,7 @@ def write_session_code(
     language: CodeLanguage,
     saved: Path | None,
     on_written: Callable[[str], object],
-) -> None:
+) -> BackgroundTask:
     """Write the present session as a script or a command, which is passed on, or explain why it cannot be written.
 
     Objects of the session are found again, on a thread, so that what is written gives the same ones; a run that the
@@ -80,16 +80,17 @@ def write_session_code(
     of the `saved` session, if there is one.
     """
     document, image, offered = session.document, session.image, session.scene.objects.proposals
+    gone = document.objects.rejected + session.deleted_objects
     known = KnownRuns.of_window(session, updater)
     session.messages.clear(EXPORTING_CATEGORY)
     if image is None:
-        return
+        return ENDED_TASK
     if not (document.starts or document.objects.items or document.objects.clicks):
         session.messages.show(document.nothing_to_start_from, True, EXPORTING_CATEGORY)
-        return
+        return ENDED_TASK
 
     def write(task: BackgroundTask) -> str:
-        code = _find_code(document, image, offered, "" if saved is None else str(saved), known, task)
+        code = _find_code(document, image, offered, bool(gone), "" if saved is None else str(saved), known, task)
         text = "" if code is None else code.write_script() if language == "python" else code.write_command()
         if text:
             return text
@@ -100,7 +101,7 @@ def write_session_code(
         write_saved = write_saved_objects_command if language == "command" else write_saved_objects_script
         return write_saved(to_session_file(document, {}), str(saved))
 
-    session.tasks.start_task(
+    return session.tasks.start_task(
         tr("Repeating the session…"),
         write,
         tr("repeating the session"),
@@ -113,6 +114,7 @@ def _find_code(
     document: Document,
     image: Image,
     offered: Sequence[Proposal],
+    some_are_gone: bool,
     saved: str,
     known: KnownRuns,
     task: BackgroundTask,
@@ -123,7 +125,7 @@ def _find_code(
     shown = next((each for each in offered if each.clicks == objects.clicks), None)
     if shown is not None and shown.selection.has_boundary:  # the object that is being selected
         items.append(shown.proposed_object)
-    if objects.rejected and not items:  # of what the run proposes, what is left
+    if some_are_gone and not items:  # of what the run proposes, what is left
         items = [each.proposed_object for each in offered]
         if not items:
             return None

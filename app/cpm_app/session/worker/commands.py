@@ -201,6 +201,8 @@ def write_files(
                 contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space, image=source)))
                 contents += [] if on_encoded else encode_descriptions(made[key], file.path)
                 counts.setdefault(file.kind, describe_export(made[key], file.kind, file.suffix))
+            if task.is_cancelled:
+                return
             if on_encoded is not None:
                 context.report(WorkFinished(partial(on_encoded, tuple(content for _, content in contents))))
                 return

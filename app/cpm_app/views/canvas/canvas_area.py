@@ -168,14 +168,15 @@ class CanvasArea(QWidget):
             self._workspace.contour_selection.select()
 
     def press_enter(self) -> bool:
-        """Finish the draft, or accept what is proposed or selected; return whether there was anything to do."""
+        """Finish the draft, or accept what is proposed, being found or selected; return whether there was anything."""
         tool = self.canvas.dispatcher.tool
         if tool.has_draft:
             tool.finish()
-        elif self._can_accept:
-            self._selection.do_in_order(self._workspace.object_commands.accept_pending)
-        else:  # wait while objects are being found, unless the search was canceled
-            return not (self._selection.offer_is_known or self._selection.idle)
+        elif self._can_accept or (self._selection.awaits_offer and not self._workspace.object_list.selected_keys):
+            accept = self._workspace.object_commands.accept_pending
+            self._selection.do_in_order(accept, needs_offer=not self._can_accept)
+        else:
+            return False
         return True
 
     def set_typing(self, is_typing: bool) -> None:

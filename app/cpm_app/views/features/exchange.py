@@ -141,10 +141,11 @@ _CLIPBOARD_MIME_TYPES = ("image/svg+xml", "application/geo+json", "text/csv")
 
 
 class ClipboardFeature(Feature):
-    """Copies for other programs: what was found, in several formats at once, and the view."""
+    """Copies for other programs: what was found, in several formats at once, and the view; the newest copy wins."""
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
+        self._copying = ENDED_TASK
         self.actions = (
             ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
                        self.copy_selection, "Ctrl+C", gap=True,
@@ -171,10 +172,13 @@ class ClipboardFeature(Feature):
         )
         suffixes = (".svg", ".geojson", ".table.csv" if what == "objects" else ".measures.csv")
         files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in suffixes)
-        session.export_files(ExportOrder(files, chosen or None, contours or None), self._put_on_clipboard)
+        order = ExportOrder(files, chosen or None, contours or None)
+        self._copying.cancel()
+        self._copying = session.export_files(order, self._put_on_clipboard)
 
     def copy_view(self) -> None:
         """Copy the view of the canvas as a picture."""
+        self._copying.cancel()
         QApplication.clipboard().setImage(self.canvas.grab().toImage())
         self.session.messages.show(tr("The view was copied."), category=EXPORTING_CATEGORY)
 
@@ -182,7 +186,8 @@ class ClipboardFeature(Feature):
         file = self.window.document_file
         saved = file.path if file.saved_document == self.session.document else None
         updater = self.window.workspace.object_selection.partition_updater
-        write_session_code(self.session, updater, language, saved, self._put_code_on_clipboard)
+        self._copying.cancel()
+        self._copying = write_session_code(self.session, updater, language, saved, self._put_code_on_clipboard)
 
     def _put_code_on_clipboard(self, text: str) -> None:
         QApplication.clipboard().setText(text)

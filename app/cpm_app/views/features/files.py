@@ -21,6 +21,7 @@ from cpm_app.session.storage.recovery import Journal, Leftover, find_leftovers, 
 from cpm_app.session.storage.session_file import SessionWritten
 from cpm_app.session.storage.thumbnails import THUMBNAIL_SIZE, ThumbnailStore, crop_middle, thumbnails_folder
 from cpm_app.session.tasks.opening import is_image_folder
+from cpm_app.views.canvas.canvas_area import FIRST_TOOL
 from cpm_app.views.features.exchange import ImportFeature
 from cpm_app.views.files.recent_files import RecentFiles
 from cpm_app.views.files.start_screen import StartEntry, StartScreen
@@ -228,12 +229,17 @@ class OpenSaveFeature(Feature):
 
     def _on_image_opened(self, opened: ImageOpened) -> None:
         self._confirmed_work = None
-        path = opened.saved.path if opened.saved and opened.saved.path else opened.path
-        if opened.saved is not None and opened.saved.file.truth is not None:
-            self.window.workspace.comparison.restore_truth(opened.saved.file.truth, path.absolute().parent)
+        saved, objects = opened.saved, self.session.document.objects
+        path = saved.path if saved and saved.path else opened.path
+        begins = saved is not None and not saved.is_other_page and self._project.folder is None
+        if begins and (objects.items or objects.clicks) and self.canvas.dispatcher.tool.name == FIRST_TOOL:
+            # nobody has chosen the first tool for this session; its action is enabled once the image is shown
+            QTimer.singleShot(0, self.window, partial(self.window.trigger_action, "objects"))
+        if saved is not None and saved.file.truth is not None:
+            self.window.workspace.comparison.restore_truth(saved.file.truth, path.absolute().parent)
         if self._project.folder is not None:
             self._remember_path(self._project.folder)
-        elif find_sample_at(opened.path) is None or opened.saved:
+        elif find_sample_at(opened.path) is None or saved:
             self._remember_path(path)
             self.recent.remember_part(opened)
 

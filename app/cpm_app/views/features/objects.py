@@ -66,9 +66,6 @@ class ObjectsFeature(Feature):
         def has_several(_: Situation) -> bool:
             return sum(not row.item.line for row in objects.selected_rows) > 1 or selection.has_waiting_actions
 
-        def has_one_with_area(_: Situation) -> bool:
-            return len(objects.selected_objects) == 1 and not objects.selected_objects[0].line
-
         def all_are(state: str) -> bool:
             return bool(objects.selected_objects) and all(getattr(item, state) for item in objects.selected_objects)
 
@@ -103,8 +100,8 @@ class ObjectsFeature(Feature):
                        brush.toggle_space, "Shift+J", short=tr("In space"),
                        visible_when=has_volume, checked_when=lambda _: brush.paints_in_space),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
-                       lambda: selection.find_similar(objects.selected_objects[0].number), "Ctrl+L",
-                       when=has_one_with_area),
+                       in_order(self._find_similar), "Ctrl+L",
+                       when=lambda _: self._has_one_with_area or selection.has_waiting_actions),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the objects again by their own clicks, on the contours of the last run.",
                        lambda: selection.refit_objects(objects.selected_numbers),
@@ -143,6 +140,16 @@ class ObjectsFeature(Feature):
                        lambda: self._run_skeleton(tr("skeleton of the image"), SkeletonTarget()),
                        when=lambda now: bool(now.document.outlines or now.document.outlined_bodies)),
         )  # fmt: skip
+
+    @property
+    def _has_one_with_area(self) -> bool:
+        """Whether a single object is selected, and it encloses an area."""
+        items = self._object_list.selected_objects
+        return len(items) == 1 and not items[0].line
+
+    def _find_similar(self) -> None:
+        if self._has_one_with_area:
+            self._selection.find_similar(self._object_list.selected_objects[0].number)
 
     def select_next(self) -> None:
         """Select the row after the selected ones."""

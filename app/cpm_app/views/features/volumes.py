@@ -72,7 +72,8 @@ class SlicesFeature(Feature):
             return has_volume(situation) or pages.has_images
 
         def move_by(by: int) -> Callback:
-            return lambda: (pages if pages.has_images else slices).go_by(by)
+            in_order = window.workspace.object_selection.do_in_order
+            return lambda: in_order(partial(pages.go_by, by)) if pages.has_images else slices.go_by(by)
 
         def create_axis_action(axis: int) -> ActionSpec:
             name = AXIS_NAMES[axis]
@@ -205,6 +206,10 @@ class PagesFeature(Feature):
             document = situation.document
             return document.mode != "skeleton" and bool(document.starts or document.objects.items)
 
+        def name_run(_: Situation) -> str:
+            every = tr("Run all &channels") if pages.source.kind == "channel" else tr("Run all &pages")
+            return tr("Stop") if pages.running else every
+
         def toggle_run() -> None:
             if pages.running:
                 pages.cancel()
@@ -219,7 +224,7 @@ class PagesFeature(Feature):
                        "pages are kept. It needs a start; without one the accepted objects are followed.",
                        toggle_run, "Ctrl+Shift+Return", gap=True, visible_when=is_stack,
                        when=lambda now: pages.running or (can_run(now) and not followed.running),
-                       text_for=lambda _: tr("Stop") if pages.running else tr("Run all &pages")),
+                       text_for=name_run),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all pages after it, one after the other, in the background.",
                        lambda: pages.run_all(pages.number), visible_when=is_stack,

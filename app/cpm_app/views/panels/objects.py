@@ -45,6 +45,7 @@ from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, f
 from cpm_app.views.widgets.fields import DecimalField, MarkedSlider
 from cpm_core.numerics.types import Sides
 from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.results import whole_percent
 
 
 def _object_figure_getter(get: Callable[[ObjectFigures], float | None]) -> Callable[[ObjectRow], float | None]:
@@ -106,8 +107,8 @@ def build_object_columns(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0))
         Column("area", tr("Area"), tr("Area without holes."),
                lambda row: None if row.item.line else row.item.region.size * pixel, "00,000", 2),
         Column("confidence", tr("%"), CONFIDENCE_TIP,
-               lambda row: row.item.confidence * 100 or None,
-               "00 %", number_format=".0f", suffix=" %"),
+               lambda row: whole_percent(row.item.confidence) if row.item.confidence else None,
+               "00 %", number_format=".0f", suffix=" %", sort_by=lambda row: row.item.confidence),
         Column("length", tr("Area"), tr("Area of the surface, including hollows."),
                _object_figure_getter(lambda found: found.area), "00,000", 2)
         if solid else

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -118,6 +119,7 @@ def test_an_object_that_is_not_found_again_ends_in_time_and_not_between_channels
     window.session.messages.shown.connect(lambda message, *_: shown.append(message))
     take(window, hand, *(each[:2] for each in MOVING[0]))
     go(window, hand, 2)
+    assert window.get_feature(PagesFeature).bar.run.text() == ("Run all pages" if told else "Run all channels")
     assert numbers_offered(window) == ([1] if told else [])  # channels are followed when the user says so
     if not told:
         toggle_following(window, hand)
@@ -172,6 +174,30 @@ def test_what_was_accepted_is_offered_on_the_next_page_with_its_number_name_clas
     go(window, hand, 3)
     hand.key(KEY.Key_Return)
     assert all(is_disk(items(window)[number], MOVING[2][number - 1]) for number in (1, 2))
+
+
+def test_keys_count_in_their_order_while_a_page_is_left_and_what_is_followed_on_the_next_is_sought(
+    stack, hand, monkeypatch
+):
+    window = stack(MOVING)
+    selection, pages, select = window.workspace.object_selection, window.workspace.pages, cpm.Partition.select
+    monkeypatch.setattr(cpm.Partition, "select", lambda *given, **more: (time.sleep(0.1), select(*given, **more))[1])
+    hand.click(*MOVING[0][0][:2])
+    hand.key(KEY.Key_Return)
+    for number in (2, 3):
+        hand.key(KEY.Key_PageDown)
+        hand.wait(lambda number=number: pages.number == number and selection.awaits_offer)
+        assert not selection.proposals
+        hand.key(KEY.Key_Return)
+    settled(window, hand)
+    assert [len(pages.documents[number].objects.items) for number in (1, 2, 3)] == [1, 1, 1]
+    hand.key(KEY.Key_PageDown)
+    hand.wait(lambda: pages.number == 4 and selection.awaits_offer)
+    hand.key(KEY.Key_Return)
+    window.session.tasks.current[-1].cancel()
+    settled(window, hand)
+    assert not items(window)
+    assert "nothing to accept" in window.canvas_area.messages.text
 
 
 def test_a_click_corrects_what_is_followed_under_its_number_and_a_new_object_gets_another_one(stack, hand):

@@ -35,10 +35,13 @@ def test_objects_that_were_found_are_counted_and_enter_accepts_them(ready, hand)
     assert "Enter accepts it" in said
     hand.key(KEY.Key_Return)
     assert len(ready.session.document.objects.items) == 1
-    assert "Enter accepts" not in ready.canvas_area.hint.text()
+    ready.workspace.object_list.select_objects(())
+    hand.wait(lambda: ready.canvas_area.hint.text() == "Objects: 1. Ctrl+E exports them.")
 
 
-def test_enter_draws_nothing_while_the_objects_of_a_run_are_being_found(ready, hand, monkeypatch) -> None:
+def test_enter_accepts_the_objects_of_a_run_that_are_being_found_once_they_are_offered(
+    ready, hand, monkeypatch
+) -> None:
     shown = threading.Event()
     monkeypatch.setattr(object_selection, "find_proposals", lambda *given: shown.wait() and find_proposals(*given))
     selection = ready.workspace.object_selection
@@ -48,9 +51,9 @@ def test_enter_draws_nothing_while_the_objects_of_a_run_are_being_found(ready, h
     hand.key(KEY.Key_Return)
     hand.wait(lambda: ready.canvas_area.hint.text().endswith("The objects of the run are still being found."))
     assert ready.canvas_area.crosshair.position is None
+    assert not ready.session.document.objects.items
     shown.set()
     hand.wait(lambda: selection.idle and selection.offer_is_known)
-    hand.key(KEY.Key_Return)
     assert len(ready.session.document.objects.items) == 1
 
 

@@ -167,6 +167,30 @@ def test_a_run_that_the_window_shows_is_not_repeated(ready, hand, tmp_path, monk
     assert repeated  # what is shown has been steered
 
 
+@pytest.mark.parametrize("second", ["copy_command", "copy_view"])
+def test_what_was_copied_last_stays_on_the_clipboard(ready, hand, monkeypatch, second) -> None:
+    """A script that is still being checked when something else is copied does not take its place."""
+    clipboard, go_on, find, begun = QApplication.clipboard(), threading.Event(), session_code._find_code, []
+
+    def find_slowly_at_first(*given):
+        begun.append(1)
+        if len(begun) == 1:
+            go_on.wait()
+        return find(*given)
+
+    monkeypatch.setattr(session_code, "_find_code", find_slowly_at_first)
+    clipboard.clear()
+    ready.actions_by_name["copy_python"].trigger()
+    try:
+        hand.wait(lambda: bool(begun))
+        ready.actions_by_name[second].trigger()
+        hand.wait(lambda: clipboard.text().startswith("cpm ") or not clipboard.image().isNull())
+    finally:
+        go_on.set()
+    hand.wait(lambda: ready.session.idle)
+    assert "import" not in clipboard.text()
+
+
 def test_contours_that_are_still_being_made_are_not_taken_for_those_of_the_run(ready, hand, monkeypatch) -> None:
     """A slider moved away and back has its value again before its contours."""
     session, selection = ready.session, ready.workspace.object_selection
@@ -189,7 +213,8 @@ def test_contours_that_are_still_being_made_are_not_taken_for_those_of_the_run(r
         go_on.set()
 
 
-def test_proposals_that_were_rejected_are_left_out(ready, hand, tmp_path) -> None:
+@pytest.mark.parametrize("actions", [["reject"], ["accept", "delete_object"]], ids=["rejected", "deleted"])
+def test_proposals_that_are_gone_are_left_out(ready, hand, tmp_path, actions) -> None:
     selection = ready.workspace.object_selection
     ready.actions_by_name["mode_automatic"].trigger()
     hand.canvas.setFocus()
@@ -198,7 +223,9 @@ def test_proposals_that_were_rejected_are_left_out(ready, hand, tmp_path) -> Non
     hand.wait(lambda: selection.idle and len(selection.proposals) == 3)
     first, _, last = (each.selection for each in selection.proposals)
     ready.workspace.object_list.select_objects([selection.proposals[1].key])
-    hand.key(KEY.Key_X)
+    for action in actions:
+        ready.actions_by_name[action].trigger()
+    hand.qtbot.wait(20)
     hand.wait(lambda: selection.idle and len(selection.proposals) == 2)
     check_both(hand, tmp_path, (first, last))
 

@@ -23,6 +23,9 @@ from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QFileDialog
 from pytestqt.qtbot import QtBot
 
+from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
+from cpm_core.image.region import Region
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.usefixtures("pictures_taken")
@@ -115,6 +118,22 @@ def test_where_nothing_can_be_opened_the_start_screen_is_shown(qtbot: QtBot, wor
     assert screen(window).error_label.text().startswith("gone.png in ")
     qtbot.keyClick(screen(window).samples, KEY.Key_Escape)
     assert screen(window).isVisible()
+    window.close()
+    window.deleteLater()
+
+
+def test_a_session_with_objects_opens_with_the_tool_that_goes_on_with_them(
+    qtbot: QtBot, workspace: Workspace, image_file
+) -> None:
+    whole = SegmentedObject(1, (), Region(((((20.0, 20.0), (20.0, 40.0), (40.0, 40.0))),)))
+    session = SessionFile(ImageFile(image_file.name), objects=SegmentedObjects((whole,)))
+    save_session(session, image_file.with_suffix(".cpm"))
+    make_application()
+    window = make_window(workspace)
+    window.show()
+    window.open_image(str(image_file.with_suffix(".cpm")))
+    qtbot.waitUntil(window.actions_by_name["objects"].isChecked, timeout=20_000)
+    assert window.canvas_area.canvas.dispatcher.tool.name == "objects"
     window.close()
     window.deleteLater()
 

@@ -109,6 +109,24 @@ def test_the_pointer_shows_what_a_click_takes_and_the_click_takes_that(window, h
     assert not layer.added.count
 
 
+def test_no_click_is_previewed_while_a_run_goes_on(window, hand, objects) -> None:
+    window.actions_by_name["start_grid"].trigger()
+    hand.move(18, 18)
+    hand.wait(lambda: window.session.scene.objects.preview is not None)
+    window.session.set_pace(1.0)
+    try:
+        hand.key(KEY.Key_Space)
+        hand.wait(lambda: window.session.scene.objects.preview is None)
+        assert window.session.status.phase == "running"
+        hand.move(19, 19)
+        hand.qtbot.wait(50)
+        assert window.session.scene.objects.preview is None
+        hand.key(KEY.Key_Space)
+        hand.wait(lambda: window.session.scene.objects.preview is not None)
+    finally:
+        window.session.set_pace(None)
+
+
 def test_what_a_click_with_shift_would_remove_is_hatched_before_it(window, hand, objects, layer) -> None:
     click(hand, 18, 18)
     click(hand, 43, 42)
@@ -124,9 +142,13 @@ def test_what_a_click_with_shift_would_remove_is_hatched_before_it(window, hand,
 
 
 def test_enter_accepts_the_object_without_a_word_and_the_next_click_begins_the_next(window, hand, objects) -> None:
+    hand.move(18, 18)
     click(hand, 18, 18)
     hand.key(KEY.Key_Return)
     assert hand.canvas.hasFocus()  # no field takes Space or another Enter
+    hand.wait(lambda: objects.idle)
+    hand.qtbot.wait(20)
+    assert window.session.scene.objects.preview is None
     (item,) = taken(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     assert not objects.selecting
@@ -738,6 +760,21 @@ def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
+def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_again_by_it(window, hand, objects) -> None:
+    click(hand, *SMALL[0])
+    take(hand)
+    hand.key(KEY.Key_Delete)
+    run_everywhere(hand)
+    for _ in range(2):  # the start, and the deletion
+        hand.key(KEY.Key_Z, CONTROL)
+    assert len(taken(window)) == 1
+    window.workspace.object_list.select_objects((1,))
+    hand.key(KEY.Key_Delete)
+    hand.qtbot.wait(20)
+    hand.wait(lambda: objects.idle and not taken(window))
+    assert [each.selection.contains(np.array([LARGE[0]])).all() for each in objects.proposals] == [True]
+
+
 def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path) -> None:
     run_everywhere(hand)
     take(hand)
@@ -754,48 +791,68 @@ def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, ob
     assert len(taken(window)) == 1
 
 
-@pytest.mark.parametrize(("confidence", "left"), [(0.1, 1), (0.9, 2)], ids=["doubtful", "sure"])
-def test_doubtful_ones_of_all_like_an_object_are_selected_to_be_deleted(
-    window, hand, objects, monkeypatch, confidence, left
+@pytest.mark.parametrize("confidence", [0.1, 0.9], ids=["doubtful", "likely"])
+def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_one_step(
+    window, hand, objects, monkeypatch, confidence
 ) -> None:
-    def find_one(cut, like):
-        return like[0], replace(cut.select([LARGE[0]]), confidence=confidence)
+    def find_three(cut, like):
+        time.sleep(0.1)
+        nothing = replace(like[0], contours=(), region=Region.from_mask(np.zeros((64, 64), bool)))
+        corner = replace(cut.build_selection(disk((5, 58), 3.0), np.array([(5.0, 58.0)])), confidence=0.9)
+        return like[0], replace(cut.select([LARGE[0]]), confidence=confidence), corner, nothing
 
-    monkeypatch.setattr(object_selection, "select_all", find_one)
-    click(hand, *SMALL[0])
+    monkeypatch.setattr(object_selection, "select_all", find_three)
+    hand.click(*SMALL[0])
+    hand.key(KEY.Key_3)
+    hand.key(KEY.Key_L, CONTROL)  # before the answer to the click
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2 and window.session.idle)
+    assert len(taken(window)) == 1
+    assert window.canvas_area.messages.text == "Objects like this one: 2."
+    rows = [row.title for row in window.workspace.object_list.rows if row.kind == "proposal"]
+    assert rows == ["proposal 1", "proposal 2"]
+    hand.key(KEY.Key_1)  # the class of the next object
     take(hand)
-    hand.wait(lambda: objects.idle and window.workspace.object_list.selected_numbers == {1})
-    hand.key(KEY.Key_L, CONTROL)
-    hand.wait(lambda: objects.idle and len(taken(window)) == 2)
-    said = "Objects like this one: 1."
-    doubts = " 1 of them is doubtful and now selected; Delete removes it." if left == 1 else ""
-    assert window.canvas_area.messages.text == said + doubts
-    assert window.workspace.object_list.selected_numbers == ({2} if left == 1 else {1})
-    if left == 1:
-        hand.key(KEY.Key_Delete)
-    assert len(taken(window)) == left
+    accepted = 3 if confidence > 0.7 else 2
+    assert [item.category for item in taken(window)] == [3] * accepted
+    hand.key(KEY.Key_Delete)
+    hand.qtbot.wait(20)
+    hand.wait(lambda: objects.idle)
+    assert len(objects.proposals) == 3 - accepted, "what was deleted is not proposed again"
+    for left in (accepted, 1):
+        hand.key(KEY.Key_Z, CONTROL)
+        assert len(taken(window)) == left
+    hand.qtbot.wait(20)
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
-def test_what_the_user_has_turned_to_meanwhile_stays_selected_when_objects_like_one_are_found(
+def test_what_the_user_has_turned_to_and_what_is_proposed_stay_when_objects_like_one_are_found(
     window, hand, objects, monkeypatch
 ) -> None:
-    may_find, listed = threading.Event(), window.workspace.object_list
+    may_find, listed, places = threading.Event(), window.workspace.object_list, [(5.0, 58.0), (58.0, 6.0)]
 
-    def find_two(cut, like):
+    def find_one(cut, like):
         may_find.wait(20.0)
-        nothing = replace(like[0], contours=(), region=Region.from_mask(np.zeros((64, 64), bool)))
-        return like[0], replace(cut.select([LARGE[0]]), confidence=0.1), nothing
+        place = places.pop()
+        return like[0], cut.build_selection(disk(place, 3.0), np.array([place]))
 
-    monkeypatch.setattr(object_selection, "select_all", find_two)
-    click(hand, *SMALL[0])
-    take(hand)
-    hand.wait(lambda: objects.idle and listed.selected_numbers == {1})
+    monkeypatch.setattr(object_selection, "select_all", find_one)
+    for where in (SMALL, LARGE):
+        click(hand, *where[0])
+        take(hand)
     hand.key(KEY.Key_L, CONTROL)
-    listed.select_objects(())
+    listed.select_objects((1,))
     may_find.set()
-    hand.wait(lambda: objects.idle and len(taken(window)) == 2)
-    assert listed.selected_numbers == set()
-    assert window.canvas_area.messages.text == "Objects like this one: 1. Doubtful: 1."
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
+    assert listed.selected_numbers == {1}
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+
+
+def test_proposals_of_a_run_are_numbered_from_one_though_others_were_accepted_before(window, hand, objects) -> None:
+    click(hand, *LARGE[0])
+    take(hand)
+    run_everywhere(hand, count=1)
+    assert [row.title for row in window.workspace.object_list.rows] == ["object 1", "proposal 1"]
 
 
 def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(window, hand, objects) -> None:

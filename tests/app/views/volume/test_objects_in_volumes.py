@@ -400,6 +400,8 @@ def test_all_like_a_body_are_found_by_one_key(volume, hand) -> None:
     volume.workspace.object_list.select_objects([1])
     hand.wait(volume.actions_by_name["objects_alike"].isEnabled)
     hand.key(KEY.Key_L, Qt.KeyboardModifier.ControlModifier)
+    hand.wait(lambda: bool(volume.workspace.object_selection.proposals))
+    hand.key(KEY.Key_Return)
     hand.wait(lambda: len(items(volume)) == 2)
     assert items(volume)[1].region.contains(OTHER)
     assert np.count_nonzero(items(volume)[1].region.mask) == pytest.approx(BALL, rel=0.1)
