@@ -7,7 +7,6 @@ import os
 import platform
 import time
 from collections.abc import Iterator
-from importlib.metadata import version
 from statistics import median
 from timeit import repeat
 
@@ -31,6 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_benchmarks(arguments: argparse.Namespace) -> None:
     """Measure, and print each time as soon as it is known."""
+    from importlib.metadata import version  # noqa: PLC0415 - takes long, and every command imports this module
+
     began = time.perf_counter()
     machine = {
         "cores": os.cpu_count(),

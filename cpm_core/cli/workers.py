@@ -9,7 +9,6 @@ import os
 import signal
 import threading
 import time
-from asyncio import CancelledError
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -235,7 +234,7 @@ def run_on_scheduler(jobs: Sequence[BatchJob], address: str) -> Generator[tuple[
                     job,
                     future.result() if failure is None else replace(job.row, trouble=f"{_PROCESS_DIED} ({failure})"),
                 )
-        except (Exception, CancelledError) as error:  # dask raises many kinds when its scheduler has gone
+        except (Exception, _cancelled_error()) as error:  # dask raises many kinds when its scheduler has gone
             _LOG.info("%s: %s", type(error).__name__, error)
             gone = f"The scheduler at {address} has gone; start it again, and the same command."
             yield from ((job, replace(job.row, trouble=gone)) for job in waiting.values())
@@ -271,8 +270,15 @@ def connect_to_dask(address: str | None, workers: int | None = None) -> Iterator
         try:
             yield client
         finally:
-            with suppress(Exception, CancelledError):
+            with suppress(Exception, _cancelled_error()):
                 client.close(timeout=5)
+
+
+def _cancelled_error() -> type[BaseException]:
+    """Return what dask raises in a thread that is cancelled."""
+    from asyncio import CancelledError  # takes long to import, and every command imports this module
+
+    return CancelledError
 
 
 def map_until_finished(
@@ -290,7 +296,7 @@ def map_until_finished(
             yield waiting.pop(future), future
             future.release()  # dask keeps every result that is referred to
     finally:
-        with suppress(Exception, CancelledError):
+        with suppress(Exception, _cancelled_error()):
             client.cancel(list(waiting))
 
 

@@ -237,22 +237,23 @@ def smooth_volume(values: Array, sigmas: list[float]) -> Single:
     """Smooth a volume, shape (P, R, C), by a Gaussian with a sigma for each axis [voxels], in single precision."""
     weights = tuple(half_gaussian_weights(sigma) if sigma > NO_SMOOTHING else np.ones(1) for sigma in sigmas)
     out = np.empty(values.shape, np.float32)
-    run_in_parallel(partial(_smooth_planes, values, weights, out), len(out), PLANES_PER_THREAD)
+    lines = values.reshape(len(values), -1)
+    run_in_parallel(partial(_smooth_planes, lines, weights, out), len(out), PLANES_PER_THREAD)
     return out
 
 
 @compiled
-def _smooth_planes(values: Array, weights: Arrays, out: Single, first: int, end: int) -> None:
-    """Write planes after a Gaussian, axis by axis, each rounded to single precision."""
+def _smooth_planes(lines: Array, weights: Arrays, out: Single, first: int, end: int) -> None:
+    """Write planes, given as lines of all their rows, after a Gaussian, each axis rounded to single precision."""
     (rows, cols), reach = out.shape[1:], len(weights[2]) - 1
     flat, line, total = np.empty((rows, cols)), np.empty(cols + 2 * reach), np.empty(cols)
     for i in range(first, end):
         for j in range(rows):
-            sum_across(values[:, j], i, weights[0], total)
+            sum_across(lines, i, j * cols, weights[0], total)
             for k in range(cols):
                 flat[j, k] = np.float32(total[k])
         for j in range(rows):
-            sum_across(flat, j, weights[1], total)
+            sum_across(flat, j, 0, weights[1], total)
             for k in range(cols):
                 line[reach + k] = np.float32(total[k])
             extend_line(line, reach)

@@ -90,15 +90,27 @@ def mark_covered(coverage: Coverage, positions: Array, on_edge: Mask, step: int)
     `positions`, shape (N, 2) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
     coverage afterwards, the same one if no cell is new, and the number of newly covered cells.
     """
-    row, col = cell_indices(positions[on_edge], coverage.found.shape)
-    new = np.unique(np.stack([row, col])[:, coverage.found[row, col] == NEVER_COVERED], axis=1)
-    if not new.size:
-        return coverage, 0
     found, latest = coverage.found.copy(), coverage.latest.copy()
-    found[tuple(new)] = step
-    for first, last in zip(np.maximum(new - COVERAGE_REACH, 0).T, (new + COVERAGE_REACH + 1).T, strict=True):
-        latest[first[0] : last[0], first[1] : last[1]] = step
-    return Coverage(found, latest, coverage.size + new.shape[1]), new.shape[1]
+    new = _mark_cells(found, latest, positions, on_edge, step)
+    return (Coverage(found, latest, coverage.size + new) if new else coverage), new
+
+
+@compiled
+def _mark_cells(found: Steps, latest: Steps, positions: Array, on_edge: Mask, step: int) -> int:
+    """Mark the cells of particles on edges in `found`, and those near new ones in `latest`; return how many are new."""
+    new, (rows, cols) = 0, found.shape
+    for i in range(len(positions)):
+        if not on_edge[i]:
+            continue
+        row, col = cell_of(positions[i, 0], COVERAGE_CELL, rows), cell_of(positions[i, 1], COVERAGE_CELL, cols)
+        if found[row, col] != NEVER_COVERED:
+            continue
+        found[row, col] = step
+        new += 1
+        for r in range(max(row - COVERAGE_REACH, 0), min(row + COVERAGE_REACH + 1, rows)):
+            for c in range(max(col - COVERAGE_REACH, 0), min(col + COVERAGE_REACH + 1, cols)):
+                latest[r, c] = step
+    return new
 
 
 def cell_indices(positions: Array, shape: Extent) -> Index:
@@ -108,8 +120,19 @@ def cell_indices(positions: Array, shape: Extent) -> Index:
 
 def idle_steps_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
     """Count the steps since cells around each particle were newly covered, shape (N,); `elsewhere` if none ever was."""
-    newest = coverage.latest[tuple(cell_indices(positions, coverage.latest.shape))].astype(np.int64)
-    return np.where(newest == NEVER_COVERED, elsewhere, step - newest)
+    idle = np.empty(len(positions), np.int64)
+    _count_idle_steps(coverage.latest, positions, step, elsewhere, idle)
+    return idle
+
+
+@compiled
+def _count_idle_steps(latest: Steps, positions: Array, step: int, elsewhere: int, idle: Index) -> None:
+    """Write what `idle_steps_at` returns."""
+    rows, cols = latest.shape
+    for i in range(len(positions)):
+        row, col = cell_of(positions[i, 0], COVERAGE_CELL, rows), cell_of(positions[i, 1], COVERAGE_CELL, cols)
+        newest = latest[row, col]
+        idle[i] = elsewhere if newest == NEVER_COVERED else step - newest
 
 
 def with_times_reset(coverage: Coverage, step: int) -> Coverage:

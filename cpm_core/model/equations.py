@@ -183,9 +183,9 @@ def equilibrium_epsilon(distance: Array) -> float:
     `distance`, shape (N, T), is ``|r|`` of every particle at the last T steps, newest first. Rows with NaN do not
     count: their particles are too young. NaN if no particle is T steps old.
     """
-    old = distance[~np.isnan(distance[:, -1])]
-    signs = (-1.0) ** np.arange(1, HISTORY_STEPS + 1)
-    return abs(float((old @ signs).sum())) / len(old) if len(old) else float("nan")
+    sums = distance @ (-1.0) ** np.arange(1, HISTORY_STEPS + 1)
+    old = sums[~np.isnan(sums)]
+    return abs(float(old.sum())) / len(old) if len(old) else float("nan")
 
 
 def is_quiet(epsilon: float, moving: int, changed: int, count: int) -> bool:

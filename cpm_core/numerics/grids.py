@@ -361,7 +361,7 @@ def _write_smoothed_rows(values: Array, weights: Array, first: int, line: Array,
     for i in range(len(smooth)):
         for left in range(0, cols, _SUMMED_PIXELS):
             right = min(left + _SUMMED_PIXELS, cols)
-            sum_across(values[:, left:right], first + i, weights, line[reach + left : reach + right])
+            sum_across(values, first + i, left, weights, line[reach + left : reach + right])
         extend_line(line, reach)
         for left in range(0, cols, _SUMMED_PIXELS):
             right = min(left + _SUMMED_PIXELS, cols)
@@ -369,15 +369,19 @@ def _write_smoothed_rows(values: Array, weights: Array, first: int, line: Array,
 
 
 @compiled
-def sum_across(lines: Array, at: int, weights: Array, total: Array) -> None:
-    """Write the weighted sum of row `at` of lines, shape (N, M), and rows on both sides, into `total`, shape (M,)."""
-    here, last = lines[at], len(lines) - 1
+def sum_across(lines: Array, at: int, first: int, weights: Array, total: Array) -> None:
+    """Write the weighted sum of row `at` of lines, shape (N, K), and rows on both sides, into `total`, shape (M,).
+
+    It begins with column `first`. Rows are taken one by one, and weights before the loop, else it uses no vectors.
+    """
+    end, last = first + len(total), len(lines) - 1
+    here, weight = lines[at, first:end], weights[0]
     for j in range(len(total)):
-        total[j] = here[j] * weights[0]
+        total[j] = here[j] * weight
     for k in range(len(weights) - 1, 0, -1):
-        before, behind = lines[max(at - k, 0)], lines[min(at + k, last)]
+        before, behind, weight = lines[max(at - k, 0), first:end], lines[min(at + k, last), first:end], weights[k]
         for j in range(len(total)):
-            total[j] += (before[j] + behind[j]) * weights[k]
+            total[j] += (before[j] + behind[j]) * weight
 
 
 @compiled
@@ -391,10 +395,10 @@ def extend_line(line: Array, reach: int) -> None:
 def sum_along(line: Array, weights: Array, total: Array) -> None:
     """Write the weighted sums along a line, shape (N + 2 reach,), into `total`, shape (N,)."""
     reach = len(weights) - 1
-    here = line[reach:]
+    here, weight = line[reach:], weights[0]
     for j in range(len(total)):
-        total[j] = here[j] * weights[0]
+        total[j] = here[j] * weight
     for k in range(reach, 0, -1):
-        before, behind = line[reach - k :], line[reach + k :]
+        before, behind, weight = line[reach - k :], line[reach + k :], weights[k]
         for j in range(len(total)):
-            total[j] += (before[j] + behind[j]) * weights[k]
+            total[j] += (before[j] + behind[j]) * weight
