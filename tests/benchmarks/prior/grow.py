@@ -46,10 +46,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
 from tests.benchmarks.prior.network import UNet, restore, weights
 from tests.benchmarks.prior.pictures import Example, outlined
 from tests.benchmarks.prior.pools import pools
-from tests.benchmarks.prior.prompts import Chance, Prompt, View, first_prompt, view
+from tests.benchmarks.prior.prompts import Chance, Prompt, View, close_correction, first_prompt, view
 
 SHARES = {
-    "people": 0.46,
+    "people": 0.43,
     "regions": 0.05,
     "made_up": 0.06,
     "drawn": 0.12,
@@ -57,11 +57,14 @@ SHARES = {
     "thin": 0.045,
     "tiled": 0.045,
     "tissue": 0.04,
-    "radiographs": 0.04,
+    "radiographs": 0.07,
     "micrographs": 0.05,
     "sonograms": 0.03,
 }
 """How often an example is one that people have outlined, or comes from one of the pools."""
+
+CLOSE_SHARE = 0.25
+"""How often a detail of the example is corrected in a window of its own, if it has any."""
 
 BATCH = 16
 CORRECTIONS = (0, 0, 1, 2, 3)
@@ -219,10 +222,12 @@ def _corrected_batch(
     views: list[View] = []
     prompts: list[Prompt] = []
     while len(views) < BATCH:
-        seen = view(examples.pick(chance.plain), chance)
+        example = examples.pick(chance.plain)
+        corrected = close_correction(example, chance) if chance.plain.random() < CLOSE_SHARE else None
+        seen, prompt = corrected or (view(example, chance), None)
         if seen is not None:
             views.append(seen)
-            prompts.append(first_prompt(seen, chance))
+            prompts.append(prompt or first_prompt(seen, chance))
     as_mask = chance.plain.random() < 0.5
     network.eval()
     for _ in range(corrections):

@@ -27,6 +27,9 @@ _CUT_SHARE, _LEAST_LEFT = 0.12, 0.15
 _MIN_VISIBLE, _MIN_HIT = 12, 4
 """Pixels of the object that a window must hold, and of where it may be pointed at."""
 
+_DETAIL, _MIN_DETAIL, _MIN_DETAIL_SIDE = (0.01, 0.12), 1.5, 24.0
+"""Half the width of a detail, in extents of its object; the least, and the least side of a window around it [px]."""
+
 
 class Chance:
     """Random numbers, each kind from a generator of its own.
@@ -117,11 +120,58 @@ class Prompt:
 def view(example: Example, chance: Chance) -> View | None:
     """An example through a window of random place, size, turn and look; None if too little of it is left."""
     plain = chance.plain
-    image, mask, hit = _cut(example, plain) if plain.random() < _CUT_SHARE else example
+    left = _cut(example, plain) if plain.random() < _CUT_SHARE else example
+    on_click = plain.random() < 0.35
+    pointed_at = left.mask if left.hit is None else left.hit
+    middle, side = _placed(left.mask, click(pointed_at, chance) if on_click else None, chance)
+    seen = _seen_through(left, middle, side, on_click, chance)
+    return None if seen is None else seen[0]
+
+
+def close_correction(example: Example, chance: Chance) -> tuple[View, Prompt] | None:
+    """A window around a detail that a former answer lacks or has too much, and a click in it; None without one.
+
+    A detail is a process or a bay that is narrow for the object, which `ObjectPredictor` corrects in such a window.
+    """
+    plain, mask = chance.plain, example.mask
+    extent = max(np.ptp(line) for line in np.nonzero(mask)) + 1
+    radius = max(extent * chance.log_uniform(*_DETAIL), _MIN_DETAIL)
+    is_bay = plain.random() < 0.5
+    ground = ~mask if is_bay else mask
+    deep = cv2.distanceTransform(ground.astype(np.uint8), cv2.DIST_L2, 5) > radius
+    if not deep.any():
+        return None
+    narrow = ground & (cv2.distanceTransform((~deep).astype(np.uint8), cv2.DIST_L2, 5) > radius)
+    count, numbers, boxes, _ = cv2.connectedComponentsWithStats(narrow.astype(np.uint8), connectivity=4)
+    least = max(_MIN_VISIBLE, radius * radius)
+    chosen = [k for k in range(1, count) if boxes[k, cv2.CC_STAT_AREA] >= least]
+    if not chosen:
+        return None
+    number = plain.choice(chosen)
+    left, top, width, height, _ = boxes[number]
+    wrong = numbers == number
+    former = mask ^ (wrong if plain.random() < 0.7 else narrow)
+    side = max(max(width, height) * chance.log_uniform(1.0, 3.0), _MIN_DETAIL_SIDE)
+    row, col = (at + plain.uniform(-0.25, 0.25) * side for at in (top + height / 2, left + width / 2))
+    found = _seen_through(example._replace(hit=None), (row, col), side, False, chance)
+    if found is None:
+        return None
+    seen, matrix = found
+    shown = _warped(wrong, matrix)
+    if shown.sum() < _MIN_HIT:
+        return None
+    prompt = Prompt(former=_warped(former, matrix).astype(np.float32))
+    (prompt.outside if is_bay else prompt.inside)[click(shown, chance)] = True
+    return seen, prompt
+
+
+def _seen_through(
+    example: Example, middle: tuple[float, float], side: float, on_click: bool, chance: Chance
+) -> tuple[View, Array] | None:
+    """An example through a window of a place and size, of random turn and look, and the matrix of the window."""
+    image, mask, hit = example
     if image.shape[2] == 1:
         image = np.repeat(image, 3, axis=2)
-    on_click = plain.random() < 0.35
-    middle, side = _placed(mask, click(mask if hit is None else hit, chance) if on_click else None, chance)
     scale = CROP_SIDE / side
     matrix = _matrix(middle, scale, chance)
     if scale < 0.6:
@@ -134,7 +184,7 @@ def view(example: Example, chance: Chance) -> View | None:
     values = _varied(_in_another_light(colors.astype(np.float32), chance), chance)
     if visible.sum() < _MIN_VISIBLE or hit.sum() < _MIN_HIT:
         return None
-    return View(values, visible, hit, area, on_click)
+    return View(values, visible, hit, area, on_click), matrix
 
 
 def _cut(example: Example, plain: random.Random) -> Example:
