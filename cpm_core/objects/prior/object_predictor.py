@@ -34,6 +34,9 @@ _MIN_CROP_REFINEMENTS = 2
 _MAX_CROP_REFINEMENTS = 6
 """Largest number of crops around answers, while these reach the rim of their crop."""
 
+_CORRECTION_ROUNDS = 2
+"""Number of crops around a correction; the first shows only what a crop around the object has found of it."""
+
 _MAX_CORRECTION_SHARE = 0.6
 """Side of a crop around a correction, as a share of that around the object, up to which it shows more."""
 
@@ -309,12 +312,12 @@ class ObjectPredictor:
         return self._build_prediction(answer, agreement, steady), answer
 
     def _refine_corrections(self, found: Prediction, prompt: Prompt, previous: Mask) -> Prediction:
-        """Refine what points that contradict a previous mask, shape (H, W), have changed, each in a crop of its own.
+        """Refine what points that contradict a previous mask, shape (H, W), have changed, each in crops of its own.
 
         A small change to a large object is a few steps wide in a crop around all of it.
         """
         mask = found.mask
-        for place in prompt.find_contradictions(previous):
+        for place in prompt.find_contradictions(previous).repeat(_CORRECTION_ROUNDS, axis=0):
             parts, _ = scipy.ndimage.label(mask != previous)
             number = parts[tuple(place)]
             low, high = true_bounds(parts == number) if number else (place, place)
