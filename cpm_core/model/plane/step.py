@@ -235,7 +235,7 @@ def insert_and_delete(
     # those of a front and young ones search always, the others by turns
     turn = (particles.identity + state.step // every) % _SEARCH_INTERVAL == 0
     looking = has_moved & (repulsion_gone | (idle < _FRONT_STEPS) | particles.young | turn)
-    counts = np.arange(idle.max() + 1)  # a power for each count, not for each particle
+    counts = np.arange(idle.max(initial=0) + 1)  # a power for each count, not for each particle
     insertion_range = np.asarray(parameters.d_max * parameters.annealing**counts, np.float64)[idle]
     births = find_insertions(contact, kept, looking, scale_field, insertion_range, parameters)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
