@@ -117,6 +117,9 @@ _NO_OBJECT_REMARK = "No object was found around these points: only their own pix
 _LINE_CONFIDENCE = 0.02
 """Confidence below which a line that the points lie in precedes an answer, as it is right more often."""
 
+_MIN_LINE_SHARE = 0.5
+"""Least area of such a line, in areas of the answer: a smaller one is a detail of it, as the rim of a bone."""
+
 
 @record
 class _Request:
@@ -517,7 +520,8 @@ class Partition(drawing.Pictured):
     def _predict_candidates(self, prompt: Prompt, area: float | None = None) -> Iterator[Candidate]:
         """Predict the candidates for a prompt, the most likely one first.
 
-        A tree of vessels precedes all others, and any other thin object those that the network holds for unlikely.
+        A tree of vessels precedes all others, and any other thin object those that the network holds for unlikely,
+        unless it is a detail of them.
         Of an object whose `area` [px²] is known, the candidates of similar size come first.
         """
         if not self.uses_network:
@@ -534,7 +538,8 @@ class Partition(drawing.Pictured):
                 if paths:
                     mask[box] = snap_to_contours(mask[box], find_crossings(paths, mask[box].shape), likely.downsampling)
             features = ConfidenceFeatures(*likely[2:], point_count=prompt.point_count)
-            if thin is not None and estimate_confidence(features) < _LINE_CONFIDENCE:
+            is_unlikely = estimate_confidence(features) < _LINE_CONFIDENCE
+            if thin is not None and is_unlikely and thin.mask.sum() >= _MIN_LINE_SHARE * mask.sum():
                 yield Candidate(Region.from_mask(thin.mask))
                 thin = None
             yield Candidate(Region.from_mask(mask), features, model=model_title(self.model))

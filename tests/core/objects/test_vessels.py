@@ -8,7 +8,9 @@ import scipy
 
 from cpm_core import circle, partition
 from cpm_core.image.image import as_image
+from cpm_core.numerics.grids import compute_iou
 from cpm_core.objects.partition import Partition
+from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction
 from cpm_core.objects.vessels import find_thin_object
 
 from ..scenes import antialiased, disk, ring
@@ -108,3 +110,15 @@ def test_a_click_on_a_crack_selects_all_of_it_where_the_network_finds_nothing_li
     chosen = cut.select([np.argwhere(crack)[crack.sum() // 2]])
     assert chosen.mask[crack].mean() > 0.95
     assert (scipy.ndimage.distance_transform_edt(~crack)[chosen.mask] < 3.5).mean() > 0.9
+
+
+def test_a_line_within_a_much_larger_answer_does_not_precede_it(monkeypatch):
+    row, col = np.indices((200, 200), float)
+    line = (np.abs(col - 100.0) < 1.5) & (np.abs(row - 100.0) < 70.0)
+    cut = Partition(as_image(120.0 - 60.0 * line), ())
+    for radius, first in ((6.0, line), (60.0, np.hypot(row - 100.0, col - 100.0) < 60.0)):
+        found = np.hypot(row - 100.0, col - 100.0) < radius
+        unlikely = Prediction(found, 1.0, 0.05, 0.05, 0.05, 0.05)
+        monkeypatch.setattr(ObjectPredictor, "predict_objects", lambda *_, one=unlikely: iter([one]))
+        chosen = cut.select([(100.0, 100.0)])
+        assert compute_iou(chosen.mask, first) > 0.7
