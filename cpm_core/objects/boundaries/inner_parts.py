@@ -21,6 +21,9 @@ _MIN_CORE_DIFFERENCE = 4.0
 _MIN_CORE_SIZE = 30
 """Least number of voxels of an inner part that differ so [voxels]."""
 
+_HIGH_RANK = 0.9
+"""Quantile of differences that is none of the blurred rim, in which most of a small bright part lies."""
+
 
 def find_inner_parts(values: Array, body: Region, sides: Array) -> Iterator[Region]:
     """Find the inner parts of a body, in gray levels of shape (P, R, C) with voxels of these sides.
@@ -42,6 +45,8 @@ def find_inner_parts(values: Array, body: Region, sides: Array) -> Iterator[Regi
             near = expand_window(box, _EDGE_WIDTH, smooth.shape)
             core = cores[near] == number
             if np.count_nonzero(core) >= _MIN_CORE_SIZE:
-                around = scipy.ndimage.binary_dilation(core, iterations=_EDGE_WIDTH) & inside[near]
-                part = find_largest_part(around & (rise[near] > 0.5 * np.median(rise[near][core])))
+                around = scipy.ndimage.distance_transform_edt(~core, sides) <= _EDGE_WIDTH
+                rises = rise[near][core]
+                own = np.median(rises[rises > 0.5 * np.quantile(rises, _HIGH_RANK)])
+                part = find_largest_part(around & inside[near] & (rise[near] > 0.5 * own))
                 yield Region.from_mask(part, np.add(body.origin, first_pixel(near)))

@@ -7,6 +7,7 @@ import scipy
 import cpm_core as cpm
 from cpm_core.image.region import Region
 from cpm_core.objects import compute_iou
+from cpm_core.objects.boundaries.inner_parts import find_inner_parts
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
 from cpm_core.objects.confidence import BodyFeatures, estimate_body_confidence
 from tests.benchmarks.prior.bodies import scan
@@ -109,6 +110,16 @@ def test_no_wall_is_found_beyond_the_edge_of_what_is_brighter_within_something_b
         hollow, body = sorted(result.objects, key=lambda one: one.size)
         assert compute_iou(hollow.mask, away < 9.0) > 0.9
         assert compute_iou(body.mask, (away >= 9.0) & (away < 24.0)) > 0.9
+
+
+@pytest.mark.parametrize("rise", [60.0, 200.0])
+def test_a_small_part_of_a_body_ends_at_its_edge_however_much_it_differs(rise):
+    places = np.moveaxis(np.indices((40, 40, 40)), 0, -1)
+    part, body = (np.linalg.norm(places - at, axis=-1) < radius for at, radius in ((21.0, 5.0), (19.5, 18.0)))
+    values = scipy.ndimage.gaussian_filter(np.select([part, body], [40.0 + rise, 40.0], -1000.0), 0.7)
+    values += np.random.default_rng(2).normal(0.0, 10.0, body.shape)
+    (found,) = find_inner_parts(values, Region.from_mask(body), np.ones(3))
+    assert Region.from_mask(part).compute_iou(found) > 0.9
 
 
 @pytest.mark.parametrize("texture", [0.0, 12.0])
