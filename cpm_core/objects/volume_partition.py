@@ -445,11 +445,12 @@ class VolumePartition:
         return replace(self.build_selection(region, inside, outside), remark=remark, prediction=prediction)
 
     def predict_around(self, place: Array) -> tuple[Selection, ...]:
-        """Predict the bodies around a point, shape (1, 3), each with its prediction.
+        """Predict the bodies around a point, shape (1, 3), one of which a click there means, each with its prediction.
 
         They differ in size, or one is part of another.
         """
-        return tuple(self._show_body(body, place) for body in self._predict_around(place)[1])
+        (at,) = self._clip_points(place) * self._predictor.voxel_sides
+        return tuple(self._show_body(body, place) for body in self._predictor.predict_bodies(at))
 
     def _predict_around(self, place: Array) -> tuple[Selection, tuple[BodyPrediction, ...]]:
         """Predict the bodies around a point, shape (1, 3), and find the one that it means, as a run proposes it.
