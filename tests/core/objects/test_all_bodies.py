@@ -1,5 +1,7 @@
 """All bodies of a volume, split where they touch, and those that are similar to one."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 import scipy
@@ -120,6 +122,17 @@ def test_a_small_part_of_a_body_ends_at_its_edge_however_much_it_differs(rise):
     values += np.random.default_rng(2).normal(0.0, 10.0, body.shape)
     (found,) = find_inner_parts(values, Region.from_mask(body), np.ones(3))
     assert Region.from_mask(part).compute_iou(found) > 0.9
+
+
+def test_parts_of_a_body_are_looked_for_in_few_bytes_of_each_of_its_voxels():
+    values = np.random.default_rng(0).normal(40.0, 5.0, (64, 64, 64))
+    body = Region.from_mask(np.ones(values.shape, bool))
+    assert not list(find_inner_parts(values, body, np.ones(3)))
+    tracemalloc.start()
+    list(find_inner_parts(values, body, np.ones(3)))  # again: the first call imports
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 16 * values.size
 
 
 @pytest.mark.parametrize("texture", [0.0, 12.0])
