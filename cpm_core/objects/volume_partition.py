@@ -465,8 +465,8 @@ class VolumePartition:
             meant = find_meant_body(bodies, at, lambda body: self._show_body(body, place))
             rest, inner = self._find_inner_bodies(meant.region)
             if inner:
-                voxel = tuple(self._find_nearest_voxels(place)[0].tolist())
-                meant = self.build_selection(next((one for one in inner if one.contains(voxel)), rest), place)
+                voxel, held = tuple(self._find_nearest_voxels(place)[0].tolist()), [one.region for one in inner]
+                meant = self.build_selection(next((one for one in held if one.contains(voxel)), rest), place)
                 body = body_from_mask(meant.mask, self.voxel_sides)
                 meant, bodies = replace(meant, prediction=body), (*bodies, body)
             known = meant, bodies
@@ -526,16 +526,16 @@ class VolumePartition:
             found: list[Selection] = []
             for part in self._split_at_necks(Region(surface=boundary)) if len(boundary.faces) else ():
                 rest, inner = self._find_inner_bodies(part)
-                found += [self.rate_region(each) for each in (rest, *inner) if not each.is_empty]
+                found += [*([] if rest.is_empty else [self.rate_region(rest)]), *inner]
             self._parts_of_bodies[number] = tuple(found)
         return self._parts_of_bodies[number]
 
-    def _find_inner_bodies(self, body: Region) -> tuple[Region, list[Region]]:
+    def _find_inner_bodies(self, body: Region) -> tuple[Region, list[Selection]]:
         """Find what remains of a body without its likely inner parts, and these, split at necks."""
         found = () if body.is_empty else find_inner_parts(self.values, body, self.voxel_sides)
-        parts = [part for one in found for part in self._split_at_necks(one)]
-        inner = [part for part in parts if self.rate_region(part).confidence >= MIN_INNER_CONFIDENCE]
-        return reduce(Region.without, inner, body), inner
+        parts = (self.rate_region(part) for one in found for part in self._split_at_necks(one))
+        inner = [part for part in parts if part.confidence >= MIN_INNER_CONFIDENCE]
+        return reduce(Region.without, (part.region for part in inner), body), inner
 
     def rate_region(self, region: Region) -> Selection:
         """Build the selection of a body, with its deepest voxel as its positive point, and its confidence."""

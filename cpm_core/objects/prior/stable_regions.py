@@ -63,9 +63,8 @@ def find_stable_regions(context: CropContext) -> Iterator[Mask]:
     for axis, (first, last) in enumerate(context.inner_steps.tolist()):
         slices = np.moveaxis(difference, axis, 0)
         slices[:first], slices[last + 1 :] = np.inf, np.inf
-    rank = np.searchsorted(_GRAY_TOLERANCES, _find_largest_beside(difference, _BESIDE[0]), side="right").astype(
-        np.int64
-    )
+    largest = _find_largest_beside(difference, _BESIDE[0])
+    rank = np.searchsorted(_GRAY_TOLERANCES, largest, side="right").astype(np.int64)
     joined = np.full(rank.shape, len(_GRAY_TOLERANCES), np.int64)
     _join_by_rank(rank.ravel(), int(np.ravel_multi_index(step, rank.shape)), joined.reshape(-1))
     sizes = np.cumsum(np.bincount(joined.ravel(), minlength=len(_GRAY_TOLERANCES) + 1))[:-1]
