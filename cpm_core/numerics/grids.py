@@ -18,7 +18,7 @@ from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 Labels = NDArray[np.int32]
 """Numbers of parts or columns, in 32 bits."""
 
-Values = TypeVar("Values", Array, Mask)
+Values = TypeVar("Values", Array, Single, Mask)
 Filling = TypeVar("Filling", Single, Labels)
 _Kind = TypeVar("_Kind", bound=np.integer)
 
@@ -38,17 +38,17 @@ def expand_window(window: Window, margin: int, shape: Extent) -> Window:
     )
 
 
-def running_maximum(values: Values, reach: int) -> Values:
+def running_maximum(values: Values, reach: ArrayLike) -> Values:
     """Return the maximum over a box around every pixel, cut off at the border; of a mask, whether any pixel is true.
 
-    The box reaches `reach` pixels to both sides along all axes. The result has the shape of `values`. Whole arrays are
-    compared with shifted copies, one axis after the other: for small boxes this is several times faster than a filter
-    that visits every pixel.
+    The box reaches `reach` pixels to both sides, the same or another number along each axis. The result has the shape
+    of `values`. Whole arrays are compared with shifted copies, one axis after the other: for small boxes this is
+    several times faster than a filter that visits every pixel.
     """
-    for axis in range(values.ndim):
+    for axis, reached in enumerate(np.broadcast_to(reach, values.ndim).tolist()):
         before = values
         values = before.copy()
-        for shift in range(1, min(reach, values.shape[axis] - 1) + 1):
+        for shift in range(1, min(reached, values.shape[axis] - 1) + 1):
             ahead = (slice(None),) * axis + (slice(shift, None),)
             behind = (slice(None),) * axis + (slice(None, -shift),)
             np.maximum(values[ahead], before[behind], out=values[ahead])

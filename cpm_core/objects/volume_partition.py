@@ -445,24 +445,30 @@ class VolumePartition:
         return replace(self.build_selection(region, inside, outside), remark=remark, prediction=prediction)
 
     def predict_around(self, place: Array) -> tuple[Selection, ...]:
-        """Predict the bodies around a point, shape (1, 3), each with its prediction.
+        """Predict the bodies around a point, shape (1, 3), one of which a click there means, each with its prediction.
 
         They differ in size, or one is part of another.
         """
-        return tuple(self._show_body(body, place) for body in self._predict_around(place)[1])
+        (at,) = self._clip_points(place) * self._predictor.voxel_sides
+        return tuple(self._show_body(body, place) for body in self._predictor.predict_bodies(at))
 
     def _predict_around(self, place: Array) -> tuple[Selection, tuple[BodyPrediction, ...]]:
-        """Predict the bodies around a point, shape (1, 3), and find the one that it means, or its likely inner part."""
+        """Predict the bodies around a point, shape (1, 3), and find the one that it means, as a run proposes it.
+
+        That is a likely inner part of a body, or the body without these.
+        """
         key = tuple(place[0].tolist())
         known = self._predicted_around.get(key)
         if known is None:
             (at,) = self._clip_points(place) * self._predictor.voxel_sides
             bodies = tuple(self._predictor.predict_bodies(at))
             meant = find_meant_body(bodies, at, lambda body: self._show_body(body, place))
-            for inner in self._find_inner_bodies(meant.region, self._find_nearest_voxels(place)[0]):
-                body = body_from_mask(inner.mask, self.voxel_sides)
-                meant = replace(self.build_selection(inner.region, place), prediction=body)
-                bodies = *bodies, body
+            rest, inner = self._find_inner_bodies(meant.region)
+            if inner:
+                voxel, held = tuple(self._find_nearest_voxels(place)[0].tolist()), [one.region for one in inner]
+                meant = self.build_selection(next((one for one in held if one.contains(voxel)), rest), place)
+                body = body_from_mask(meant.mask, self.voxel_sides)
+                meant, bodies = replace(meant, prediction=body), (*bodies, body)
             known = meant, bodies
             self._predicted_around.clear()
             self._predicted_around[key] = known
@@ -519,21 +525,17 @@ class VolumePartition:
             boundary = self.extract_boundary(np.array([number]))
             found: list[Selection] = []
             for part in self._split_at_necks(Region(surface=boundary)) if len(boundary.faces) else ():
-                inner = self._find_inner_bodies(part)
-                rest = reduce(Region.without, (one.region for one in inner), part)
+                rest, inner = self._find_inner_bodies(part)
                 found += [*([] if rest.is_empty else [self.rate_region(rest)]), *inner]
             self._parts_of_bodies[number] = tuple(found)
         return self._parts_of_bodies[number]
 
-    def _find_inner_bodies(self, body: Region, at: Index | None = None) -> list[Selection]:
-        """Find the likely inner parts of a body, split at necks; only those that hold a voxel, if one is given."""
-
-        def holds(part: Region) -> bool:
-            return at is None or part.contains(tuple(at.tolist()))
-
-        inner = () if body.is_empty else find_inner_parts(self.values, body, self.voxel_sides)
-        parts = (part for one in inner if holds(one) for part in self._split_at_necks(one) if holds(part))
-        return [one for one in map(self.rate_region, parts) if one.confidence >= MIN_INNER_CONFIDENCE]
+    def _find_inner_bodies(self, body: Region) -> tuple[Region, list[Selection]]:
+        """Find what remains of a body without its likely inner parts, and these, split at necks."""
+        found = () if body.is_empty else find_inner_parts(self.values, body, self.voxel_sides)
+        parts = (self.rate_region(part) for one in found for part in self._split_at_necks(one))
+        inner = [part for part in parts if part.confidence >= MIN_INNER_CONFIDENCE]
+        return reduce(Region.without, (part.region for part in inner), body), inner
 
     def rate_region(self, region: Region) -> Selection:
         """Build the selection of a body, with its deepest voxel as its positive point, and its confidence."""

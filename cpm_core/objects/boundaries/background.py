@@ -7,7 +7,7 @@ import scipy
 
 from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import nearest_pixels, window_around
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Single
 
 _SAME_LEVEL = 1.5
 """Largest difference from the background of the median around a place that counts as none [its standard deviations]."""
@@ -58,7 +58,7 @@ def _measure_background(values: Array) -> tuple[float, float]:
     return measure_level(border, float(np.ptp(values)))
 
 
-def measure_level(some: Array, span: float) -> tuple[float, float]:
+def measure_level(some: Array | Single, span: float) -> tuple[float, float]:
     """Measure the median of some gray levels of a volume, which spans so many, and their standard deviation."""
     level = float(np.median(some))
     return level, max(_DEVIATION_PER_MEDIAN * float(np.median(np.abs(some - level))), _MIN_NOISE * span)

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel
+from cpm_core.numerics.grids import expand_window, find_largest_part, first_pixel
 from cpm_core.numerics.types import Array
 from cpm_core.objects.boundaries.background import measure_level
 
@@ -21,6 +21,9 @@ _MIN_CORE_DIFFERENCE = 4.0
 _MIN_CORE_SIZE = 30
 """Least number of voxels of an inner part that differ so [voxels]."""
 
+_HIGH_RANK = 0.9
+"""Quantile of differences that is none of the blurred rim, in which most of a small bright part lies."""
+
 
 def find_inner_parts(values: Array, body: Region, sides: Array) -> Iterator[Region]:
     """Find the inner parts of a body, in gray levels of shape (P, R, C) with voxels of these sides.
@@ -29,19 +32,24 @@ def find_inner_parts(values: Array, body: Region, sides: Array) -> Iterator[Regi
     """
     body = body.clipped(values.shape)
     window, inside = body.window, body.mask
-    smooth = scipy.ndimage.gaussian_filter(values[window], 1.0 / sides)
+    rise = scipy.ndimage.gaussian_filter(values[window], 1.0 / sides, output=np.float32)
     widths = (2 * np.ceil(_EDGE_WIDTH / sides).astype(int) + 1).tolist()
     # boxes instead of balls take a tenth of the time
     inner = scipy.ndimage.minimum_filter(inside, widths, mode="constant")
     if not inner.any():
         return
-    level, noise = measure_level(smooth[inner], float(np.ptp(values)))
-    for rise in (smooth - level, level - smooth):
-        cores, _ = scipy.ndimage.label(inner & (rise > _MIN_CORE_DIFFERENCE * noise))
-        for number, box in find_label_boxes(cores):
-            near = expand_window(box, _EDGE_WIDTH, smooth.shape)
+    level, noise = measure_level(rise[inner], float(np.ptp(values)))
+    rise -= level
+    cores = np.empty(rise.shape, np.int32)
+    for sign in (1.0, -1.0):  # in place, as bodies may be large
+        rise *= sign
+        scipy.ndimage.label(inner & (rise > _MIN_CORE_DIFFERENCE * noise), output=cores)
+        for number, box in enumerate(scipy.ndimage.find_objects(cores), start=1):
+            near = expand_window(box, _EDGE_WIDTH, rise.shape)
             core = cores[near] == number
             if np.count_nonzero(core) >= _MIN_CORE_SIZE:
-                around = scipy.ndimage.binary_dilation(core, iterations=_EDGE_WIDTH) & inside[near]
-                part = find_largest_part(around & (rise[near] > 0.5 * np.median(rise[near][core])))
+                around = scipy.ndimage.distance_transform_edt(~core, sides) <= _EDGE_WIDTH
+                rises = rise[near][core]
+                own = np.median(rises[rises > 0.5 * np.quantile(rises, _HIGH_RANK)])
+                part = find_largest_part(around & inside[near] & (rise[near] > 0.5 * own))
                 yield Region.from_mask(part, np.add(body.origin, first_pixel(near)))

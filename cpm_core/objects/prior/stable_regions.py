@@ -8,7 +8,7 @@ from functools import reduce
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import compute_iou, nearest_pixels, window_around
+from cpm_core.numerics.grids import Values, compute_iou, nearest_pixels, running_maximum, window_around
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Index, Mask, Single
 from cpm_core.objects.prior.body_prediction import EXCLUDED_LOGIT, MAX_LOGIT, BodyPrediction
@@ -33,6 +33,9 @@ _MIN_STABLE_SIZE = 0.9
 
 _MIN_OPENED_SIZE = 500
 """Least size of a region whose bridges are cut; a closer crop shows more of smaller ones [steps twice as long]."""
+
+_BESIDE = np.eye(3, dtype=np.int64), 1 - np.eye(3, dtype=np.int64)
+"""Reaches of the boxes that hold the neighbors of a step by faces, and those by faces or edges [steps]."""
 
 _OPENED_MARGIN = 2
 """Distance up to which gray levels widen an opened region [steps twice as long]."""
@@ -60,7 +63,8 @@ def find_stable_regions(context: CropContext) -> Iterator[Mask]:
     for axis, (first, last) in enumerate(context.inner_steps.tolist()):
         slices = np.moveaxis(difference, axis, 0)
         slices[:first], slices[last + 1 :] = np.inf, np.inf
-    rank = np.searchsorted(_GRAY_TOLERANCES, _find_largest_beside(difference), side="right").astype(np.int64)
+    largest = _find_largest_beside(difference, _BESIDE[0])
+    rank = np.searchsorted(_GRAY_TOLERANCES, largest, side="right").astype(np.int64)
     joined = np.full(rank.shape, len(_GRAY_TOLERANCES), np.int64)
     _join_by_rank(rank.ravel(), int(np.ravel_multi_index(step, rank.shape)), joined.reshape(-1))
     sizes = np.cumsum(np.bincount(joined.ravel(), minlength=len(_GRAY_TOLERANCES) + 1))[:-1]
@@ -156,24 +160,19 @@ def _cut_bridges(mask: Mask, step: Index) -> Mask | None:
 
 def _open_around(mask: Mask, step: Index, radius: int) -> Mask | None:
     """Open a mask by a ball (morphological opening), and find the part that is left near a step; None without one."""
-    balls = [scipy.ndimage.generate_binary_structure(3, 1 + number % 2) for number in range(radius)]
-    core = reduce(lambda left, ball: scipy.ndimage.binary_erosion(left, ball, border_value=1), balls, mask)
+    balls = [_BESIDE[number % 2] for number in range(radius)]
+    core = ~reduce(_find_largest_beside, balls, ~mask)
     parts, _ = scipy.ndimage.label(core)
     counts = np.bincount(parts[window_around(step, radius)].ravel())
     if not counts[1:].any():
         return None
     part = parts == 1 + counts[1:].argmax()
-    return np.asarray(reduce(scipy.ndimage.binary_dilation, reversed(balls), part) & mask)
+    return np.asarray(reduce(_find_largest_beside, reversed(balls), part) & mask)
 
 
-def _find_largest_beside(values: Single) -> Single:
-    """Find the largest of the values at each step and at its six neighbors."""
-    largest = values.copy()
-    for axis in range(3):
-        there, here = np.moveaxis(largest, axis, 0), np.moveaxis(values, axis, 0)
-        np.maximum(there[1:], here[:-1], out=there[1:])
-        np.maximum(there[:-1], here[1:], out=there[:-1])
-    return largest
+def _find_largest_beside(values: Values, reaches: Index) -> Values:
+    """Find the largest of the values at each step and beside it, in boxes of these reaches along the axes."""
+    return reduce(np.maximum, [running_maximum(values, reach) for reach in reaches])
 
 
 @compiled

@@ -16,8 +16,10 @@ shapes = st.one_of(st.tuples(st.integers(1, 12), st.integers(1, 12)), st.tuples(
 def test_it_is_the_maximum_over_a_box(shape, reach, seed):
     values = np.random.default_rng(seed).normal(size=shape)
     before = values.copy()
-    found = running_maximum(values, reach)
-    np.testing.assert_array_equal(found, ndimage.maximum_filter(values, size=2 * reach + 1, mode="nearest"))
+    for reached in (np.full(values.ndim, reach), np.arange(values.ndim)):
+        found = running_maximum(values, reached)
+        np.testing.assert_array_equal(found, ndimage.maximum_filter(values, tuple(2 * reached + 1), mode="nearest"))
+    np.testing.assert_array_equal(running_maximum(values, 1), running_maximum(values, np.ones(values.ndim, int)))
     np.testing.assert_array_equal(values, before)
 
 

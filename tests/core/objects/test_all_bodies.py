@@ -1,5 +1,7 @@
 """All bodies of a volume, split where they touch, and those that are similar to one."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 import scipy
@@ -7,6 +9,7 @@ import scipy
 import cpm_core as cpm
 from cpm_core.image.region import Region
 from cpm_core.objects import compute_iou
+from cpm_core.objects.boundaries.inner_parts import find_inner_parts
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
 from cpm_core.objects.confidence import BodyFeatures, estimate_body_confidence
 from tests.benchmarks.prior.bodies import scan
@@ -111,6 +114,27 @@ def test_no_wall_is_found_beyond_the_edge_of_what_is_brighter_within_something_b
         assert compute_iou(body.mask, (away >= 9.0) & (away < 24.0)) > 0.9
 
 
+@pytest.mark.parametrize("rise", [60.0, 200.0])
+def test_a_small_part_of_a_body_ends_at_its_edge_however_much_it_differs(rise):
+    places = np.moveaxis(np.indices((40, 40, 40)), 0, -1)
+    part, body = (np.linalg.norm(places - at, axis=-1) < radius for at, radius in ((21.0, 5.0), (19.5, 18.0)))
+    values = scipy.ndimage.gaussian_filter(np.select([part, body], [40.0 + rise, 40.0], -1000.0), 0.7)
+    values += np.random.default_rng(2).normal(0.0, 10.0, body.shape)
+    (found,) = find_inner_parts(values, Region.from_mask(body), np.ones(3))
+    assert Region.from_mask(part).compute_iou(found) > 0.9
+
+
+def test_parts_of_a_body_are_looked_for_in_few_bytes_of_each_of_its_voxels():
+    values = np.random.default_rng(0).normal(40.0, 5.0, (64, 64, 64))
+    body = Region.from_mask(np.ones(values.shape, bool))
+    assert not list(find_inner_parts(values, body, np.ones(3)))
+    tracemalloc.start()
+    list(find_inner_parts(values, body, np.ones(3)))  # again: the first call imports
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 16 * values.size
+
+
 @pytest.mark.parametrize("texture", [0.0, 12.0])
 def test_neither_noise_nor_shading_nor_texture_is_a_part_of_a_body(texture):
     rng, away = np.random.default_rng(5), np.linalg.norm(np.moveaxis(np.indices((48, 48, 48)), 0, -1) - 23.5, axis=-1)
@@ -122,19 +146,22 @@ def test_neither_noise_nor_shading_nor_texture_is_a_part_of_a_body(texture):
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_a_click_in_an_organ_as_faint_as_noise_selects_without_a_run_what_one_proposes(seed):
+def test_a_click_in_or_beside_an_organ_as_faint_as_noise_selects_without_a_run_what_one_proposes(seed):
     places = np.moveaxis(np.indices((52, 56, 60)), 0, -1) - np.array([26.0, 28.0, 29.0])
     body, at = np.linalg.norm(places, axis=-1) < 23.0, np.array([3.0, -8.0, 5.0])
     organ = np.linalg.norm((places - at) / (1.0, 1.2, 0.9), axis=-1) < 8.0
     values = np.random.default_rng(seed).normal(np.select([organ, body], [75.0, 40.0], -1000.0), 30.0)
     image = cpm.Image(values)
     found = cpm.select_all(cpm.VolumePartition(image, Region.from_mask(body).find_surface()))
-    (proposed,) = (one for one in found if compute_iou(one.mask, organ) > 0.8)
+    rest, proposed = found
+    assert compute_iou(proposed.mask, organ) > 0.8
     there, click = cpm.VolumePartition(image), at + np.array([26.0, 28.0, 29.0])
     chosen = there.select([click])
     np.testing.assert_array_equal(chosen.mask, proposed.mask)
     assert compute_iou(there.find_candidates([click])[-1].mask, body) > 0.9
-    assert compute_iou(there.select([(26, 45, 29)]).mask, body) > 0.9
+    beside = there.select([(26, 45, 29)])
+    assert compute_iou(beside.mask, rest.mask) > 0.97
+    assert compute_iou(there.select(click[None], previous=beside).mask, body) > 0.97
 
 
 def test_a_run_from_all_centers_of_a_volume_proposes_what_one_from_everywhere_does():

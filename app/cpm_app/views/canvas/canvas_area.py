@@ -203,7 +203,7 @@ class CanvasArea(QWidget):
             found = (text if status.stale or status.steered else "") or describe_outcome(self._workspace)
             if status.phase == "paused" and self._workspace.navigation.differing_parameters is not None:
                 found = _OTHER_VALUES_TEXT
-            engaged = self.canvas.dispatcher.is_gesturing or chosen
+            engaged = self.canvas.dispatcher.is_gesturing or chosen or session.scene.objects.awaited
             first, then = (found, tool.advice) if self._tells_outcome and not engaged else (tool.advice, found)
             text = self.crosshair.advice or first or then or text
             if self._is_typing and self._can_accept:

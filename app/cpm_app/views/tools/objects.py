@@ -55,7 +55,7 @@ class ObjectTool(Tool):
     @property
     def advice(self) -> str:
         """Sentence on what to do next."""
-        if self.volume is not None and self._selection.selecting and not self._selection.answered:
+        if self.volume is not None and self._session.scene.objects.awaited:
             return tr("Finding the body…")
         if not self._selection.ready:
             return ""

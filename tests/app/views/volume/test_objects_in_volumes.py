@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 import tifffile
@@ -15,6 +17,7 @@ from PySide6.QtCore import QPoint, Qt
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface
+from cpm_core.objects import VolumePartition
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.shapes import EnclosedRegion
 from tests.app.conftest import Hand
@@ -339,6 +342,23 @@ def test_what_is_typed_after_the_key_for_names_before_the_answer_goes_into_the_n
     hand.wait(lambda: selection.idle and [item.name for item in items(volume)] == ["cortex"])
     assert selection.proposals == ()
     hand.wait(hand.canvas.hasFocus)
+
+
+def test_the_search_for_another_candidate_of_a_proposal_is_said_whatever_slice_is_shown(
+    found, hand, monkeypatch
+) -> None:
+    selection = found.workspace.object_selection
+    answer, find = threading.Event(), VolumePartition.find_candidates
+    monkeypatch.setattr(
+        VolumePartition, "find_candidates", lambda *given, **more: (answer.wait(60), find(*given, **more))[1]
+    )
+    found.workspace.object_list.select_objects([selection.proposals[0].key])
+    found.workspace.slices.go_to(2)
+    hand.key(KEY.Key_BracketRight)
+    assert found.canvas_area.hint.text() == "Finding the body…"
+    answer.set()
+    hand.wait(lambda: selection.idle and not found.session.scene.objects.awaited)
+    assert found.canvas_area.hint.text() != "Finding the body…"
 
 
 def test_a_click_in_the_background_is_marked_says_that_it_finds_nothing_and_binds_no_later_click(volume, hand) -> None:
