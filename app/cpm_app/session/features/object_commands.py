@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial, reduce
 from typing import Literal, TypeVar
 
@@ -87,16 +87,8 @@ class ObjectCommands(QObject):
         rows = selected or tuple(self._list.pending_rows)
         if self._has_frozen(rows):
             return
-        draft = any(row.key == DRAFT_KEY for row in rows)
-        offered = [row.item for row in rows if row.kind == "proposal" and row.key != DRAFT_KEY]
-        numbers = [row.key[1] for row in rows if row.kind == "object"]
-
-        def reject_rows(document: Document) -> Document:
-            # the draft is not kept as a rejected object: the user selected it, and may select it again
-            document = objects.set_selection_clicks(document, ()) if draft else document
-            return objects.reject_objects(document, numbers, offered)
-
-        self._edit_rows(tr("reject {what}"), rows, reject_rows)
+        self._remove_rows(tr("reject {what}"), rows, objects.reject_objects)
+        offered = [row for row in rows if row.kind == "proposal" and row.key != DRAFT_KEY]
         if offered and not selected:
             words = insert_keys(tr("Rejected proposals: {count}. {key:undo} brings them back."), count=len(offered))
             self._session.messages.show(words, category=EDITING_CATEGORY)
@@ -106,12 +98,15 @@ class ObjectCommands(QObject):
         rows = self._list.selected_rows
         if self._has_frozen(rows):
             return
-        if all(row.kind == "object" for row in rows):
-            self._edit_rows(
-                tr("delete {what}"), rows, lambda d: objects.delete_objects(d, [row.key[1] for row in rows])
-            )
-        else:
+        if not any(row.kind == "object" for row in rows):
             self.reject_selected()
+            return
+
+        def delete(document: Document, numbers: Iterable[int], offered: Iterable[SegmentedObject]) -> Document:
+            # another run may propose again what was accepted
+            return objects.reject_objects(objects.delete_objects(document, numbers), (), offered)
+
+        self._remove_rows(tr("delete {what}"), rows, delete)
 
     def toggle_overlap(self) -> None:
         """Toggle whether what is selected or painted may run over other objects."""
@@ -267,6 +262,23 @@ class ObjectCommands(QObject):
             self._edit_rows(undo_text, rows, accept_and_edit, len(copied))
             if given:
                 self._list.select_objects(item.number for item in self._list.objects.items if item.number in numbers)
+
+    def _remove_rows(
+        self,
+        undo_text: str,
+        rows: Sequence[ObjectRow],
+        remove: Callable[[Document, Iterable[int], Iterable[SegmentedObject]], Document],
+    ) -> None:
+        """Drop the draft if it is among the rows, and remove objects with some numbers, and proposals."""
+        draft = any(row.key == DRAFT_KEY for row in rows)
+        offered = [row.item for row in rows if row.kind == "proposal" and row.key != DRAFT_KEY]
+        numbers = [row.key[1] for row in rows if row.kind == "object"]
+
+        def edit(document: Document) -> Document:
+            # the draft is not kept as a rejected object: the user selected it, and may select it again
+            return remove(objects.set_selection_clicks(document, ()) if draft else document, numbers, offered)
+
+        self._edit_rows(undo_text, rows, edit)
 
     def _edit_rows(
         self,

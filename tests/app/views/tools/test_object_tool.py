@@ -770,9 +770,8 @@ def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_aga
     assert len(taken(window)) == 1
     window.workspace.object_list.select_objects((1,))
     hand.key(KEY.Key_Delete)
-    hand.qtbot.wait(20)
-    hand.wait(lambda: objects.idle and not taken(window))
-    assert [each.selection.contains(np.array([LARGE[0]])).all() for each in objects.proposals] == [True]
+    hand.wait(lambda: objects.idle and not taken(window) and len(objects.proposals) == 1)
+    assert objects.proposals[0].selection.contains(np.array([LARGE[0]])).all()
 
 
 def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path) -> None:
@@ -789,6 +788,20 @@ def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, ob
     hand.wait(lambda: window.session.status.phase == "finished" and objects.offer_is_known and objects.idle)
     assert objects.proposals == ()
     assert len(taken(window)) == 1
+
+
+def test_delete_deletes_objects_and_rejects_only_the_proposals_among_them(window, hand, objects) -> None:
+    run_everywhere(hand)
+    first, second = objects.proposals
+    window.workspace.object_list.select_objects((first.key,))
+    hand.canvas.setFocus()
+    take(hand)
+    hand.wait(lambda: objects.idle and len(taken(window)) == 1)
+    window.workspace.object_list.select_objects((taken(window)[0].number, second.key))
+    hand.key(KEY.Key_Delete)
+    known = window.session.document.objects
+    assert (known.items, len(known.rejected), len(known.deleted)) == ((), 1, 1)
+    assert window.session.history.undo_name == "delete 2 objects"
 
 
 @pytest.mark.parametrize("confidence", [0.1, 0.9], ids=["doubtful", "likely"])
