@@ -69,7 +69,7 @@ class ObjectTool(Tool):
         if self._list.selected_numbers:
             return insert_keys(
                 tr(
-                    "Click again: correct · Ctrl-click: another object here · {key:name_object}: rename · "
+                    "Click in it: correct · Ctrl-click: another object here · {key:name_object}: rename · "
                     "1-9: class · Delete: remove"
                 )
             )

@@ -451,7 +451,7 @@ def test_a_click_in_an_object_chooses_it_and_a_click_in_a_chosen_one_corrects_it
     click(hand, 20, 20)
     assert window.workspace.object_list.selected_numbers == {1}
     assert not objects.selecting
-    assert "Click again: correct" in window.canvas_area.hint.text()
+    assert "Click in it: correct" in window.canvas_area.hint.text()
     click(hand, 20, 20)
     assert window.session.document.objects.edited == 1
     assert overlap(offered(objects), disk(*SMALL)) > 0.9
