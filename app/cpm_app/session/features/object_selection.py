@@ -442,7 +442,7 @@ class ObjectSelection(QObject):
             self._set_proposals(())
             self._catch_up()
             return
-        changed = self.selector is not None and known.items is not self.selector.items
+        changed = self.selector is not None and known.items != self.selector.items
         gone = {click for item in known.items for click in item.clicks} if changed else set()  # accepted meanwhile
         if changed:  # a click there may mean something else now: previewed again when the pointer moves
             self._pointed = None

@@ -1036,7 +1036,7 @@ def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> No
     hand.wait(lambda: np.array_equal(offered(objects), before.mask))
 
 
-def test_rejecting_a_correction_leaves_the_object_as_it_was(window, hand, objects) -> None:
+def test_rejecting_a_correction_leaves_the_object_and_the_preview_of_clicks_as_they_were(window, hand, objects) -> None:
     click(hand, *SMALL[0])
     take(hand)
     before = taken(window)
@@ -1046,3 +1046,5 @@ def test_rejecting_a_correction_leaves_the_object_as_it_was(window, hand, object
     hand.key(KEY.Key_X)
     hand.wait(lambda: objects.idle and not objects.selecting)
     assert taken(window) == before
+    hand.move(44, 43)
+    hand.wait(lambda: window.session.scene.objects.preview is not None)
