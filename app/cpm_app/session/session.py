@@ -399,11 +399,11 @@ class Session(QObject):
         request = OpenRequest(path, parameters, None, (), resumes, as_volume, reading, settings)
         self.begin_opening(request)
 
-    def begin_opening(self, request: OpenRequest) -> None:
+    def begin_opening(self, request: OpenRequest) -> BackgroundTask:
         """Open an image or a session; see `open_file`."""
         self.messages.clear(OPENING_CATEGORY)
         self._mode_before = self.document.mode
-        self._opener.start_opening(request)
+        return self._opener.start_opening(request)
 
     def replace_image(self, opened: ImageOpened) -> None:
         """Replace the open image."""

@@ -17,6 +17,7 @@ from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.exchange.messages import CommandFailed, Report
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
+from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
     MAX_OFFERED_PIXELS,
@@ -53,7 +54,7 @@ class WaitingAction:
 
     run: Callback
     click: Click | None
-    needs_offer: bool
+    needs_offer: Callable[[], bool]
 
 
 class ObjectSelection(QObject):
@@ -67,10 +68,15 @@ class ObjectSelection(QObject):
     """The proposals have changed, or whether one can be made."""
 
     def __init__(
-        self, session: Session, object_list: ObjectList, pages: StackPages, followed_objects: FollowedObjects
+        self,
+        session: Session,
+        object_list: ObjectList,
+        commands: ObjectCommands,
+        pages: StackPages,
+        followed_objects: FollowedObjects,
     ) -> None:
         super().__init__(session)
-        self._session, self._list = session, object_list
+        self._session, self._list, self._commands = session, object_list, commands
         self._pages, self._followed_objects = pages, followed_objects
         self._in_use, self._run_ended, self._was_running = False, False, False
         self._pointed: Click | None = None
@@ -110,6 +116,7 @@ class ObjectSelection(QObject):
         session.store.scene_changed.connect(self._on_scene_changed)
         session.store.status_changed.connect(self._on_status_changed)
         session.image_changed.connect(self._on_image_changed)
+        pages.changed.connect(self._catch_up)
         followed_objects.search_changed.connect(self.search_again)
 
     # State
@@ -161,6 +168,12 @@ class ObjectSelection(QObject):
         offers = self._offers_run or self._followed_objects.search is not None
         return offers and not (self._offer_is_shown or given_up)
 
+    @property
+    def can_accept(self) -> bool:
+        """Whether Enter accepts something, at once or as soon as it is known."""
+        expected = self.selecting or self.has_waiting_actions or self._pages.is_turning
+        return self._commands.can_accept or expected or (self.awaits_offer and self._accepts_offer())
+
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
         place = np.array([at], float)
@@ -208,7 +221,13 @@ class ObjectSelection(QObject):
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
 
     def do_in_order(
-        self, action: Callback, click: Click | None = None, *, needs_answer: bool = True, needs_offer: bool = False
+        self,
+        action: Callback,
+        click: Click | None = None,
+        *,
+        needs_page: bool = True,
+        needs_answer: bool = True,
+        needs_offer: Callable[[], bool] = lambda: False,
     ) -> None:
         """Do what the user wants after all that was wanted before: now, or as soon as the answers to it are known.
 
@@ -218,17 +237,24 @@ class ObjectSelection(QObject):
             Does it; it must not call this method.
         click : Click, optional
             The click that it makes, which is marked until its answer is shown.
+        needs_page : bool
+            Whether it is for the page that is being opened, if there is one.
         needs_answer : bool
             Whether it depends on what the clicks of the document select.
-        needs_offer : bool
-            Whether it is for what is being found, to be offered.
+        needs_offer : callable
+            Tells, when its turn has come, whether it is for what is being found, to be offered.
         """
-        if self._waiting or self._steps or (needs_answer and not self.answered) or (needs_offer and self.awaits_offer):
+        unknown = (needs_page and self._pages.is_turning) or (needs_answer and not self.answered)
+        if self._waiting or self._steps or unknown or (self.awaits_offer and needs_offer()):
             self._waiting.append(WaitingAction(action, click, needs_offer))
             self._show_awaited_clicks()
             self.changed.emit()
         else:
             action()
+
+    def accept(self) -> None:
+        """Accept what is proposed, selected or being found, after all that was wanted before."""
+        self.do_in_order(self._commands.accept_pending, needs_offer=self._accepts_offer)
 
     def undo_click(self) -> None:
         """Undo the last click."""
@@ -308,6 +334,10 @@ class ObjectSelection(QObject):
         )
 
     # Internal
+
+    def _accepts_offer(self) -> bool:
+        """Tell whether Enter is for what is being found, as there is nothing else to accept, and nothing selected."""
+        return not (self._commands.can_accept or self.selecting or self._list.selected_keys)
 
     @property
     def _offer_is_shown(self) -> bool:
@@ -523,8 +553,8 @@ class ObjectSelection(QObject):
             return
         self._is_catching_up = True
         try:
-            while self._waiting and self.answered and not self._steps:
-                if self._waiting[0].needs_offer and self.awaits_offer:
+            while self._waiting and self.answered and not (self._steps or self._pages.is_turning):
+                if self.awaits_offer and self._waiting[0].needs_offer():
                     break
                 self._waiting.popleft().run()
         finally:
@@ -580,7 +610,8 @@ class ObjectSelection(QObject):
         self._finding.cancel()
         self._finding = ENDED_TASK
         self._selectors, self._seen, self._found, self._alike = {}, {}, (), ()
-        self._waiting.clear()
+        if not self._pages.is_turning:  # else what waits is for the page
+            self._waiting.clear()
         self.selector = self._answered = self._pointed = self._searched = None
         self._steps, self._run_ended, self._asked = 0, False, ()
 

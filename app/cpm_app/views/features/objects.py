@@ -78,8 +78,8 @@ class ObjectsFeature(Feature):
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals, or the selected contours, as objects; Enter does the same.",
-                       in_order(commands.accept_pending), shown_key="Enter",
-                       when=lambda _: bool(selection.proposals) or commands.can_accept),
+                       selection.accept, shown_key="Enter",
+                       when=lambda _: bool(selection.proposals) or selection.can_accept),
             ActionSpec("reject", "Objects", "&Reject",
                        "Dismiss proposals and remove objects; none is proposed again.",
                        in_order(commands.reject_selected), "X",
