@@ -38,9 +38,9 @@ from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Callback, frozen
+from cpm_core.objects.confidence import whole_percent
 from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
-from cpm_core.results import whole_percent
 
 
 def format_confidence(selection: Selection) -> str:

@@ -44,8 +44,8 @@ from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField, MarkedSlider
 from cpm_core.numerics.types import Sides
+from cpm_core.objects.confidence import whole_percent
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.results import whole_percent
 
 
 def _object_figure_getter(get: Callable[[ObjectFigures], float | None]) -> Callable[[ObjectRow], float | None]:
