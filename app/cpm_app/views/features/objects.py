@@ -100,7 +100,7 @@ class ObjectsFeature(Feature):
                        brush.toggle_space, "Shift+J", short=tr("In space"),
                        visible_when=has_volume, checked_when=lambda _: brush.paints_in_space),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
-                       in_order(self._find_similar), "Ctrl+L",
+                       partial(selection.do_in_order, self._find_similar, needs_offer=lambda: True), "Ctrl+L",
                        when=lambda _: self._has_one_with_area or selection.has_waiting_actions),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the objects again by their own clicks, on the contours of the last run.",

@@ -760,8 +760,10 @@ def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
-def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_again_by_it(window, hand, objects) -> None:
-    click(hand, *SMALL[0])
+def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_again_by_it(
+    window, hand, objects, monkeypatch
+) -> None:
+    click(hand, *LARGE[0])
     take(hand)
     hand.key(KEY.Key_Delete)
     run_everywhere(hand)
@@ -772,7 +774,15 @@ def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_aga
     hand.key(KEY.Key_Delete)
     hand.qtbot.wait(20)
     hand.wait(lambda: objects.idle and not taken(window))
-    assert [each.selection.contains(np.array([LARGE[0]])).all() for each in objects.proposals] == [True]
+    objects.search_again()
+    hand.wait(lambda: objects.idle and objects.offer_is_known)
+    assert [each.selection.contains(np.array([SMALL[0]])).all() for each in objects.proposals] == [True]
+    assert [each.key for each in objects.proposals] == [-1], "what is seen is numbered from 1"
+    monkeypatch.setattr(object_selection, "select_all", lambda cut, like: (like[0], cut.select([LARGE[0]])))
+    take(hand)
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: objects.idle and window.session.idle)
+    assert window.canvas_area.messages.text == "No other object like this one was found."
 
 
 def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path) -> None:
@@ -823,6 +833,34 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
         assert len(taken(window)) == left
     hand.qtbot.wait(20)
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+
+
+def test_all_like_an_object_come_after_what_a_run_proposes_and_enter_right_after_accepts_both(
+    window, hand, objects, monkeypatch
+) -> None:
+    may_find = threading.Event()
+
+    def find_late(*given):
+        may_find.wait(20.0)
+        return find_proposals(*given)
+
+    def find_one(cut, like):
+        time.sleep(0.1)
+        return like[0], replace(cut.build_selection(disk((5, 58), 3.0), np.array([(5.0, 58.0)])), confidence=0.9)
+
+    monkeypatch.setattr(object_selection, "find_proposals", find_late)
+    monkeypatch.setattr(object_selection, "select_all", find_one)
+    click(hand, *SMALL[0])
+    take(hand)
+    window.actions_by_name["start_grid"].trigger()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: objects.awaits_offer)
+    window.workspace.object_list.select_objects((1,))
+    hand.key(KEY.Key_L, CONTROL)
+    take(hand)
+    may_find.set()
+    hand.wait(lambda: objects.idle and len(taken(window)) == 3)
 
 
 def test_what_the_user_has_turned_to_and_what_is_proposed_stay_when_objects_like_one_are_found(
