@@ -15,6 +15,7 @@ from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.features.selector import find_proposals
 from cpm_app.session.scene import Proposal
 from cpm_app.session.storage.session_file import DocumentFile
+from cpm_app.views.features.objects import ObjectsFeature
 from PySide6.QtCore import Qt
 
 from cpm_core import Partition, partition
@@ -835,8 +836,9 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
+@pytest.mark.parametrize("in_table", [False, True], ids=["canvas", "table"])
 def test_all_like_an_object_come_after_what_a_run_proposes_and_enter_right_after_accepts_both(
-    window, hand, objects, monkeypatch
+    window, hand, objects, monkeypatch, in_table
 ) -> None:
     may_find = threading.Event()
 
@@ -858,6 +860,9 @@ def test_all_like_an_object_come_after_what_a_run_proposes_and_enter_right_after
     hand.wait(lambda: objects.awaits_offer)
     window.workspace.object_list.select_objects((1,))
     hand.key(KEY.Key_L, CONTROL)
+    if in_table:
+        window.docks.reveal_panel("objects")
+        window.get_feature(ObjectsFeature).panel.table.setFocus()
     take(hand)
     may_find.set()
     hand.wait(lambda: objects.idle and len(taken(window)) == 3)
