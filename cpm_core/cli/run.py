@@ -60,10 +60,11 @@ from cpm_core.formats.sessions.session_run import segment_shapes
 from cpm_core.model.state import State
 from cpm_core.numerics.types import JsonDict
 from cpm_core.objects import Selection
+from cpm_core.objects.confidence import whole_percent
 from cpm_core.objects.segmented import select_by_clicks
 from cpm_core.parameters import PRESETS, Parameters, Provenance
 from cpm_core.parameters.formatting import format_count, format_size
-from cpm_core.results import FoundObjects, boundaries_in_image, replace_by_objects, whole_percent
+from cpm_core.results import FoundObjects, boundaries_in_image, replace_by_objects
 from cpm_core.results.result import Result
 from cpm_core.segmentation.evolve import find_seeded_methods
 from cpm_core.segmentation.select import partition

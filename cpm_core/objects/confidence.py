@@ -37,6 +37,9 @@ ROUND = 0.65
 FAINT = 0.005
 """Strength and variation below which a smaller one makes little difference."""
 
+_PERCENT_TOLERANCE = 1e-9
+"""Largest error of floating point when a confidence is multiplied by 100."""
+
 _MAX_POINT_COUNT = 4
 """Number of points above which more make no difference: the weights were learned from so many clicks, no strokes."""
 
@@ -147,6 +150,11 @@ class ChoiceFeatures(NamedTuple):
     sphericity: float
     volume: float
     gap_share: float
+
+
+def whole_percent(confidence: float) -> float:
+    """Return a confidence in whole percent, rounded down: no doubtful object is shown with that of a likely one."""
+    return float(np.floor(100.0 * confidence + _PERCENT_TOLERANCE))
 
 
 def encode_features(features: ConfidenceFeatures) -> Array:

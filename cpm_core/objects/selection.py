@@ -14,7 +14,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.region import Region
 from cpm_core.image.surface import Surface
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
-from cpm_core.objects.confidence import ConfidenceFeatures
+from cpm_core.objects.confidence import ConfidenceFeatures, whole_percent
 from cpm_core.objects.prior.body_prediction import BodyPrediction
 from cpm_core.parameters.formatting import format_count, format_repr
 
@@ -123,9 +123,8 @@ class Selection(drawing.Pictured):
             source = "" if self.image is None else self.image.source
             return format_repr("Selection", source, format_count(parts, "part"))
         pixels, contours = f"{self.region.size:,.0f} px", format_count(len(self.contours), "contour")
-        return format_repr(
-            "Selection", pixels, contours, format_count(len(self.gaps), "gap"), f"{100.0 * self.confidence:.0f} % sure"
-        )
+        gaps, sure = format_count(len(self.gaps), "gap"), f"{whole_percent(self.confidence):.0f} % sure"
+        return format_repr("Selection", pixels, contours, gaps, sure)
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
         """Draw the pixels of the object and its boundaries by matplotlib, or its surface."""

@@ -32,9 +32,6 @@ FoundObjects = tuple[Selection, ...]
 MIN_LIKELY_CONFIDENCE = 0.7
 """Confidence from which an object is likely."""
 
-_PERCENT_TOLERANCE = 1e-9
-"""Largest error of floating point when a confidence is multiplied by 100."""
-
 _MIN_RULE_SHARE = 0.95
 """Least share of the places of a rule, such as the strong edges, at which a run began that began by this rule."""
 
@@ -119,11 +116,6 @@ def find_objects(result: RunOutcome, check: Callback = lambda: None, *, continue
 def is_likely(found: Selection) -> bool:
     """Return whether an object is likely, to be accepted together with others; one of unknown confidence is."""
     return not found.confidence < MIN_LIKELY_CONFIDENCE
-
-
-def whole_percent(confidence: float) -> float:
-    """Return a confidence in whole percent, rounded down: no doubtful object is shown with that of a likely one."""
-    return float(np.floor(100.0 * confidence + _PERCENT_TOLERANCE))
 
 
 def is_run_everywhere(result: RunOutcome) -> bool:

@@ -152,11 +152,12 @@ class Session(QObject):
         return self.scene.document
 
     @property
-    def deleted_objects(self) -> tuple[SegmentedObject, ...]:
-        """Objects that have been deleted since the shown run has begun, which it does not propose again."""
+    def dismissed_objects(self) -> tuple[SegmentedObject, ...]:
+        """Objects that are not proposed again: rejected ones, and those deleted since the shown run has begun."""
+        known = self.document.objects
         shown = self.scene.snapshot
         begun = None if shown is None else self.run_updater.find_first_document(shown.timeline.run_generation)
-        return () if begun is None else self.document.objects.find_deleted_since(begun.objects)
+        return known.rejected + (() if begun is None else known.find_deleted_since(begun.objects))
 
     @property
     def selected_shape(self) -> int | None:
@@ -399,11 +400,11 @@ class Session(QObject):
         request = OpenRequest(path, parameters, None, (), resumes, as_volume, reading, settings)
         self.begin_opening(request)
 
-    def begin_opening(self, request: OpenRequest) -> None:
+    def begin_opening(self, request: OpenRequest) -> BackgroundTask:
         """Open an image or a session; see `open_file`."""
         self.messages.clear(OPENING_CATEGORY)
         self._mode_before = self.document.mode
-        self._opener.start_opening(request)
+        return self._opener.start_opening(request)
 
     def replace_image(self, opened: ImageOpened) -> None:
         """Replace the open image."""

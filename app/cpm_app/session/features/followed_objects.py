@@ -118,8 +118,10 @@ class FollowedObjects(QObject):
                     session.tasks.call_in_window(partial(session.messages.show, _describe_events(events)))
                 items = _make_objects(found, previous[-1][1].objects.items)
                 return tuple(  # parts that have split off get their numbers when accepted
-                    Proposal(one.selection, item.clicks, one.number if one.number == one.origin else 0, ~at, item)
-                    for at, (one, item) in enumerate(zip(found, items, strict=True))
+                    Proposal(
+                        one.selection, item.clicks, one.number if one.number == one.origin else 0, followed_object=item
+                    )
+                    for one, item in zip(found, items, strict=True)
                 )
 
             self._search = find_proposals if previous and not session.document.objects.items else None

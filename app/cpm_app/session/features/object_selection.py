@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from PySide6.QtCore import QObject, Qt, Signal
@@ -17,6 +17,7 @@ from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.exchange.messages import CommandFailed, Report
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
+from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
     MAX_OFFERED_PIXELS,
@@ -37,9 +38,11 @@ from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Callback, frozen
+from cpm_core.objects.confidence import whole_percent
 from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
-from cpm_core.results import whole_percent
+
+Made = TypeVar("Made")
 
 
 def format_confidence(selection: Selection) -> str:
@@ -53,7 +56,7 @@ class WaitingAction:
 
     run: Callback
     click: Click | None
-    needs_offer: bool
+    needs_offer: Callable[[], bool]
 
 
 class ObjectSelection(QObject):
@@ -67,10 +70,15 @@ class ObjectSelection(QObject):
     """The proposals have changed, or whether one can be made."""
 
     def __init__(
-        self, session: Session, object_list: ObjectList, pages: StackPages, followed_objects: FollowedObjects
+        self,
+        session: Session,
+        object_list: ObjectList,
+        commands: ObjectCommands,
+        pages: StackPages,
+        followed_objects: FollowedObjects,
     ) -> None:
         super().__init__(session)
-        self._session, self._list = session, object_list
+        self._session, self._list, self._commands = session, object_list, commands
         self._pages, self._followed_objects = pages, followed_objects
         self._in_use, self._run_ended, self._was_running = False, False, False
         self._pointed: Click | None = None
@@ -83,6 +91,7 @@ class ObjectSelection(QObject):
         self._found: tuple[Proposal, ...] = ()
         self._is_searched = False
         """Whether the search in the partition has ended."""
+        self._comparing = ENDED_TASK
         self._alike: tuple[Proposal, ...] = ()
         """Objects that are similar to one, offered until others are found."""
         self._objects_before_alike, self._parts = SegmentedObjects(), IdentityCache()
@@ -110,6 +119,7 @@ class ObjectSelection(QObject):
         session.store.scene_changed.connect(self._on_scene_changed)
         session.store.status_changed.connect(self._on_status_changed)
         session.image_changed.connect(self._on_image_changed)
+        pages.changed.connect(self._catch_up)
         followed_objects.search_changed.connect(self.search_again)
 
     # State
@@ -161,6 +171,12 @@ class ObjectSelection(QObject):
         offers = self._offers_run or self._followed_objects.search is not None
         return offers and not (self._offer_is_shown or given_up)
 
+    @property
+    def can_accept(self) -> bool:
+        """Whether Enter accepts something, at once or as soon as it is known."""
+        expected = self.selecting or self.has_waiting_actions or self._pages.is_turning
+        return self._commands.can_accept or expected or (self._is_finding and self._accepts_offer())
+
     def object_number_at(self, at: Place) -> int:
         """Return the key of the smallest proposal at a place, or else the number of the object; 0 for none."""
         place = np.array([at], float)
@@ -208,7 +224,13 @@ class ObjectSelection(QObject):
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
 
     def do_in_order(
-        self, action: Callback, click: Click | None = None, *, needs_answer: bool = True, needs_offer: bool = False
+        self,
+        action: Callback,
+        click: Click | None = None,
+        *,
+        needs_page: bool = True,
+        needs_answer: bool = True,
+        needs_offer: Callable[[], bool] = lambda: False,
     ) -> None:
         """Do what the user wants after all that was wanted before: now, or as soon as the answers to it are known.
 
@@ -218,17 +240,24 @@ class ObjectSelection(QObject):
             Does it; it must not call this method.
         click : Click, optional
             The click that it makes, which is marked until its answer is shown.
+        needs_page : bool
+            Whether it is for the page that is being opened, if there is one.
         needs_answer : bool
             Whether it depends on what the clicks of the document select.
-        needs_offer : bool
-            Whether it is for what is being found, to be offered.
+        needs_offer : callable
+            Tells, when its turn has come, whether it is for what is being found, to be offered.
         """
-        if self._waiting or self._steps or (needs_answer and not self.answered) or (needs_offer and self.awaits_offer):
+        unknown = (needs_page and self._pages.is_turning) or (needs_answer and not self.answered)
+        if self._waiting or self._steps or unknown or (self._is_finding and needs_offer()):
             self._waiting.append(WaitingAction(action, click, needs_offer))
             self._show_awaited_clicks()
             self.changed.emit()
         else:
             action()
+
+    def accept(self) -> None:
+        """Accept what is proposed, selected or being found, after all that was wanted before."""
+        self.do_in_order(self._commands.accept_pending, needs_offer=self._accepts_offer)
 
     def undo_click(self) -> None:
         """Undo the last click."""
@@ -277,18 +306,18 @@ class ObjectSelection(QObject):
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
-        example, offered = known[number], self.proposals
+        example, offered, there = known[number], self.proposals, (*known.items, *self._session.dismissed_objects)
 
         def find_new(task: BackgroundTask) -> list[Selection]:
             found = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
             seen = (each.proposed_object for each in offered if each.selection.has_boundary)
-            there = (*known.items, *known.rejected, *seen)
-            return [each for each in found if each.has_boundary and not is_covered(each.region, there)]
+            return [each for each in found if each.has_boundary and not is_covered(each.region, (*there, *seen))]
 
-        def offer(new: list[Selection]) -> None:
+        def offer(new: Sequence[Selection]) -> None:
             if partition.image is not self._session.image:
                 return
             if not new:
+                self._comparing = ENDED_TASK
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
             kept = _leave_out(self._alike, known.find_deleted_since(self._objects_before_alike))
@@ -302,12 +331,28 @@ class ObjectSelection(QObject):
                 self._list.select_objects(())
             self._session.messages.show(tr("Objects like this one: {count}.", count=len(new)))
             self._request_answer()
+            self._comparing = ENDED_TASK
 
-        self._session.tasks.start_task(
-            tr("Finding objects like this one…"), find_new, tr("finding objects"), on_result=offer
-        )
+        self._comparing = self._start_finding(tr("Finding objects like this one…"), find_new, offer)
 
     # Internal
+
+    def _accepts_offer(self) -> bool:
+        """Tell whether Enter is for what is being found: objects like one, or as nothing else can be accepted."""
+        other = self._commands.can_accept or self._list.selected_keys
+        return not self.selecting and (self._finds_alike or not other)
+
+    @property
+    def _finds_alike(self) -> bool:
+        """Whether objects like one are being found or not shown yet; false if that was canceled."""
+        going_on = self._comparing is not ENDED_TASK and not self._comparing.is_cancelled
+        shown = self._answered is None or self._answered[0].offered == self._offered
+        return going_on or bool(self._alike and not shown)
+
+    @property
+    def _is_finding(self) -> bool:
+        """Whether anything is being found, to be offered."""
+        return self.awaits_offer or self._finds_alike
 
     @property
     def _offer_is_shown(self) -> bool:
@@ -347,6 +392,12 @@ class ObjectSelection(QObject):
         if number > 0 and document.image is not None:
             return objects.initial_clicks(document.objects[number], document.image.shape), number
         return next((each.clicks for each in self.proposals if each.key == number), ()), 0
+
+    @property
+    def _offered(self) -> tuple[Proposal, ...]:
+        """What was found last, and the objects like one, unless deleted since."""
+        deleted = self._session.document.objects.find_deleted_since(self._objects_before_alike)
+        return (*self._found, *self._parts.get(_leave_out, self._alike, deleted))
 
     @property
     def _offers_run(self) -> bool:
@@ -392,25 +443,33 @@ class ObjectSelection(QObject):
             self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
             found, known = partial(self._on_objects_found, partition), self._session.document.objects
-            there = (*known.items, *known.rejected)
+            there = (*known.items, *self._session.dismissed_objects)
 
             def find_and_number(task: BackgroundTask) -> tuple[Proposal, ...]:
                 new_first = sorted(find(task), key=lambda each: is_covered(each.selection.region, there))
                 return tuple(replace(each, key=~index) for index, each in enumerate(new_first))
 
-            def report_failure(message: str) -> Report:
-                self._session.tasks.call_in_window(partial(found, ()))
-                return CommandFailed(message)
-
-            self._finding = self._session.tasks.start_task(
-                name, find_and_number, tr("finding objects"), report_failure, on_result=found
-            )
+            self._finding = self._start_finding(name, find_and_number, found)
         return self._found
 
-    def _on_objects_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
+    def _start_finding(
+        self,
+        name: str,
+        find: Callable[[BackgroundTask], Sequence[Made]],
+        on_found: Callable[[Sequence[Made]], object],
+    ) -> BackgroundTask:
+        """Start to find objects; none are found where that fails."""
+
+        def report_failure(message: str) -> Report:
+            self._session.tasks.call_in_window(partial(on_found, ()))
+            return CommandFailed(message)
+
+        return self._session.tasks.start_task(name, find, tr("finding objects"), report_failure, on_result=on_found)
+
+    def _on_objects_found(self, partition: AnyPartition, found: Sequence[Proposal]) -> None:
         if self._searched is partition:
-            self._found, self._alike, self._is_searched = found, (), True
-            if found and not self.selecting:
+            self._found, self._alike, self._is_searched = tuple(found), (), True
+            if found and not (self.selecting or self._waiting):
                 self._list.select_objects(())  # an object accepted before would keep Enter from what was found
             self._request_answer()
             self.changed.emit()
@@ -418,9 +477,8 @@ class ObjectSelection(QObject):
     def _get_selector(self, partition: AnyPartition, number: int) -> Selector:
         """Return the selector for the object of a number, or for a new one."""
         known = self._session.document.objects
-        deleted = known.find_deleted_since(self._objects_before_alike)
-        found = (*self._find_offered(partition), *self._parts.get(_leave_out, self._alike, deleted))
-        rejected = known.rejected + self._session.deleted_objects
+        self._find_offered(partition)
+        found, rejected = self._offered, self._session.dismissed_objects
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
             source = self.partition_updater.source
@@ -442,7 +500,7 @@ class ObjectSelection(QObject):
             self._set_proposals(())
             self._catch_up()
             return
-        changed = self.selector is not None and known.items is not self.selector.items
+        changed = self.selector is not None and known.items != self.selector.items
         gone = {click for item in known.items for click in item.clicks} if changed else set()  # accepted meanwhile
         if changed:  # a click there may mean something else now: previewed again when the pointer moves
             self._pointed = None
@@ -523,8 +581,8 @@ class ObjectSelection(QObject):
             return
         self._is_catching_up = True
         try:
-            while self._waiting and self.answered and not self._steps:
-                if self._waiting[0].needs_offer and self.awaits_offer:
+            while self._waiting and self.answered and not (self._steps or self._pages.is_turning):
+                if self._is_finding and self._waiting[0].needs_offer():
                     break
                 self._waiting.popleft().run()
         finally:
@@ -578,9 +636,11 @@ class ObjectSelection(QObject):
     def _on_image_changed(self) -> None:
         self._latest.drop_waiting()
         self._finding.cancel()
-        self._finding = ENDED_TASK
+        self._comparing.cancel()
+        self._finding = self._comparing = ENDED_TASK
         self._selectors, self._seen, self._found, self._alike = {}, {}, (), ()
-        self._waiting.clear()
+        if not self._pages.is_turning:  # else what waits is for the page
+            self._waiting.clear()
         self.selector = self._answered = self._pointed = self._searched = None
         self._steps, self._run_ended, self._asked = 0, False, ()
 

@@ -449,8 +449,7 @@ def find_proposals(result: Result, continues: bool, page: Page | None, task: Bac
     found = find_objects(result, task.check_cancelled, continues=continues)
     numbers = [0] * len(found) if page is None or page.result is None else _find_tracks(found, page.result)
     return tuple(
-        Proposal(one, (Click(as_line(one.inside)),), number, ~index)
-        for index, (one, number) in enumerate(zip(found, numbers, strict=True))
+        Proposal(one, (Click(as_line(one.inside)),), number) for one, number in zip(found, numbers, strict=True)
     )
 
 

@@ -80,7 +80,7 @@ def write_session_code(
     of the `saved` session, if there is one.
     """
     document, image, offered = session.document, session.image, session.scene.objects.proposals
-    gone = document.objects.rejected + session.deleted_objects
+    gone = session.dismissed_objects
     known = KnownRuns.of_window(session, updater)
     session.messages.clear(EXPORTING_CATEGORY)
     if image is None:

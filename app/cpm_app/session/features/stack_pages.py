@@ -14,7 +14,7 @@ from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import FilesExported, ImageOpened, Report, SavedSession
+from cpm_app.session.exchange.messages import FilesExported, ImageOpened, OpeningFailed, Report, SavedSession
 from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
 from cpm_app.session.features.contour_selection import ContourSelection
 from cpm_app.session.features.kept_pages import (
@@ -77,7 +77,7 @@ class StackPages(QObject):
         """Number of the open page, from 1."""
         self.wanted_page = 0
         """Number of the requested page, which is open or being opened."""
-        self._turning = False
+        self._turning, self._opening = False, ENDED_TASK
         self._kept: dict[int, KeptPage] = {}
         self._found_pages: dict[int, Page] = {}
         self._proposed: dict[int, Page] = {}
@@ -101,6 +101,7 @@ class StackPages(QObject):
         contour_selection.changed.connect(self._select_wanted)
         self.changed.connect(self._select_wanted)
         session.store.add_listener(ImageOpened, self._on_image_opened)
+        session.store.add_listener(OpeningFailed, self._on_opening_failed)
 
         def on_session_written(written: SessionWritten) -> None:
             if self._file.is_current(written):
@@ -156,6 +157,12 @@ class StackPages(QObject):
     def count(self) -> int:
         """Number of pages of the stack; 0 if no stack is open as pages."""
         return self.source.count
+
+    @property
+    def is_turning(self) -> bool:
+        """Whether the requested page is being opened; false if that has failed or was canceled."""
+        opening = self._opening is not ENDED_TASK and not self._opening.is_cancelled
+        return self._turning or (opening and self.wanted_page != self.number)
 
     @property
     def has_images(self) -> bool:
@@ -260,7 +267,9 @@ class StackPages(QObject):
         )
         self._kept[number] = page
         saved = SavedSession(self._file.path, content, is_other_page=True, saved_document=page.saved_document)
-        self._session.begin_opening(OpenRequest(Path(image.path), page.document.parameters, saved=saved))
+        self._opening = self._session.begin_opening(
+            OpenRequest(Path(image.path), page.document.parameters, saved=saved)
+        )
 
     def _describe_open_page(self) -> KeptPage:
         """Return the state of the open page."""
@@ -297,6 +306,9 @@ class StackPages(QObject):
         else:
             self._begin_stack(opened)
         self.changed.emit()
+
+    def _on_opening_failed(self, _: OpeningFailed) -> None:
+        self._opening = ENDED_TASK
 
     # Running all
 

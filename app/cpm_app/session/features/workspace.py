@@ -32,7 +32,9 @@ class Workspace:
         self.object_commands = ObjectCommands(self.session, self.contour_selection, self.object_list)
         self.pages = StackPages(self.session, self.contour_selection)
         self.followed_objects = FollowedObjects(self.session, self.pages)
-        self.object_selection = ObjectSelection(self.session, self.object_list, self.pages, self.followed_objects)
+        self.object_selection = ObjectSelection(
+            self.session, self.object_list, self.object_commands, self.pages, self.followed_objects
+        )
         self.project = ImageProject(self.session, self.object_list, self.object_selection, self.pages)
         self.navigation = TimelineNavigation(self.session)
         self.slices = SliceNavigation(self.session)

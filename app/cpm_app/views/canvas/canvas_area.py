@@ -167,14 +167,16 @@ class CanvasArea(QWidget):
             self._session.select_shape(None)
             self._workspace.contour_selection.select()
 
-    def press_enter(self) -> bool:
-        """Finish the draft, or accept what is proposed, being found or selected; return whether there was anything."""
+    def press_enter(self, waits: bool = True) -> bool:
+        """Finish the draft, or accept what is proposed or selected; return whether there was anything.
+
+        If it `waits`, what is being found is accepted, too.
+        """
         tool = self.canvas.dispatcher.tool
         if tool.has_draft:
             tool.finish()
-        elif self._can_accept or (self._selection.awaits_offer and not self._workspace.object_list.selected_keys):
-            accept = self._workspace.object_commands.accept_pending
-            self._selection.do_in_order(accept, needs_offer=not self._can_accept)
+        elif self._workspace.object_commands.can_accept or (waits and self._selection.can_accept):
+            self._selection.accept()
         else:
             return False
         return True
@@ -206,7 +208,7 @@ class CanvasArea(QWidget):
             engaged = self.canvas.dispatcher.is_gesturing or chosen or session.scene.objects.awaited
             first, then = (found, tool.advice) if self._tells_outcome and not engaged else (tool.advice, found)
             text = self.crosshair.advice or first or then or text
-            if self._is_typing and self._can_accept:
+            if self._is_typing and self._selection.can_accept:
                 text = insert_keys(_TYPING_TEXT)
         self.strip.show_hint(text)
 
@@ -227,11 +229,6 @@ class CanvasArea(QWidget):
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and self._handle_key(event):
             return True
         return super().eventFilter(watched, event)
-
-    @property
-    def _can_accept(self) -> bool:
-        """Whether Enter accepts something."""
-        return self._workspace.object_commands.can_accept or self._selection.selecting
 
     def _on_proposals_changed(self) -> None:
         """Hide the cross-hair once a run offers objects, so that Enter accepts them, unless it is drawing."""

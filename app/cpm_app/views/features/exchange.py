@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from PySide6.QtCore import QMimeData
 from PySide6.QtGui import QImage
@@ -39,6 +40,8 @@ from cpm_app.views.window.window import Feature
 from cpm_core.formats import CENTERLINES_WRITABLE, CONTOURS_READABLE, IMAGES_READABLE, SURFACES_READABLE
 from cpm_core.numerics.types import Texts
 from cpm_core.shapes import Points, select_measures
+
+Copied = TypeVar("Copied")
 
 
 class ExportFeature(Feature):
@@ -145,7 +148,7 @@ class ClipboardFeature(Feature):
 
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
-        self._copying = ENDED_TASK
+        self._copying, self._begun = ENDED_TASK, 0
         self.actions = (
             ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
                        self.copy_selection, "Ctrl+C", gap=True,
@@ -173,21 +176,31 @@ class ClipboardFeature(Feature):
         suffixes = (".svg", ".geojson", ".table.csv" if what == "objects" else ".measures.csv")
         files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in suffixes)
         order = ExportOrder(files, chosen or None, contours or None)
-        self._copying.cancel()
-        self._copying = session.export_files(order, self._put_on_clipboard)
+        self._copying = session.export_files(order, self._begin_copy(self._put_on_clipboard))
 
     def copy_view(self) -> None:
         """Copy the view of the canvas as a picture."""
-        self._copying.cancel()
-        QApplication.clipboard().setImage(self.canvas.grab().toImage())
+        self._begin_copy(QApplication.clipboard().setImage)(self.canvas.grab().toImage())
         self.session.messages.show(tr("The view was copied."), category=EXPORTING_CATEGORY)
+
+    def _begin_copy(self, put: Callable[[Copied], object]) -> Callable[[Copied], None]:
+        """Cancel the previous copy, and let `put` take what is copied unless another copy has begun by then."""
+        self._copying.cancel()
+        self._begun += 1
+        number = self._begun
+
+        def put_newest(copied: Copied) -> None:
+            if number == self._begun:
+                put(copied)
+
+        return put_newest
 
     def _copy_code(self, language: CodeLanguage) -> None:
         file = self.window.document_file
         saved = file.path if file.saved_document == self.session.document else None
         updater = self.window.workspace.object_selection.partition_updater
-        self._copying.cancel()
-        self._copying = write_session_code(self.session, updater, language, saved, self._put_code_on_clipboard)
+        put = self._begin_copy(self._put_code_on_clipboard)
+        self._copying = write_session_code(self.session, updater, language, saved, put)
 
     def _put_code_on_clipboard(self, text: str) -> None:
         QApplication.clipboard().setText(text)

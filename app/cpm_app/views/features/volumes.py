@@ -72,7 +72,7 @@ class SlicesFeature(Feature):
             return has_volume(situation) or pages.has_images
 
         def move_by(by: int) -> Callback:
-            in_order = window.workspace.object_selection.do_in_order
+            in_order = partial(window.workspace.object_selection.do_in_order, needs_page=False)
             return lambda: in_order(partial(pages.go_by, by)) if pages.has_images else slices.go_by(by)
 
         def create_axis_action(axis: int) -> ActionSpec:
@@ -179,9 +179,10 @@ class PagesFeature(Feature):
         self._pages = pages = window.workspace.pages
         followed = window.workspace.followed_objects
         self.bar = PageBar()
-        self.panel = PagePanel(pages, pages.show_row)
+        in_order = partial(window.workspace.object_selection.do_in_order, needs_page=False)
+        self.panel = PagePanel(pages, lambda row: in_order(partial(pages.show_row, row)))
         self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown_at_start=False),)
-        self.bar.moved.connect(pages.open_page)
+        self.bar.moved.connect(lambda number: in_order(partial(pages.open_page, number)))
         self.panel.export.clicked.connect(partial(window.trigger_action, "export_pages"))
         layer = self.canvas.layers.image
         self.channels = ChannelBar(layer)

@@ -44,8 +44,8 @@ from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ENTER_KEYS, create_wrapped_label, fill_layout
 from cpm_app.views.widgets.fields import DecimalField, MarkedSlider
 from cpm_core.numerics.types import Sides
+from cpm_core.objects.confidence import whole_percent
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.results import whole_percent
 
 
 def _object_figure_getter(get: Callable[[ObjectFigures], float | None]) -> Callable[[ObjectRow], float | None]:
@@ -137,7 +137,8 @@ class ObjectTable(ItemTable):
 
     def __init__(self, workspace: Workspace) -> None:
         self._session, self._commands = workspace.session, workspace.object_commands
-        self._object_list = object_list = workspace.object_list
+        self._object_list, self._selection = workspace.object_list, workspace.object_selection
+        object_list = self._object_list
         self._kinds: tuple[RowKind, ...] = ()
         rows = TableModel[ObjectRow](
             build_object_columns(object_list.objects),
@@ -185,7 +186,7 @@ class ObjectTable(ItemTable):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Set the class by a digit; leave Enter to the canvas while it accepts something."""
         digit = event.key() - Qt.Key.Key_0
-        if event.key() in ENTER_KEYS and self._commands.can_accept:
+        if event.key() in ENTER_KEYS and self._selection.can_accept:
             event.ignore()
         elif 1 <= digit <= len(self._object_list.objects.classes):
             self._commands.classify_selected(digit)

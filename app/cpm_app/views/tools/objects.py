@@ -134,7 +134,7 @@ class ObjectTool(Tool):
 
     def finish(self) -> None:
         """Accept the object; an Enter right after the click waits for the answer."""
-        self._selection.do_in_order(self._workspace.object_commands.accept_pending)
+        self._selection.accept()
 
     def remove_last_part(self) -> None:
         """Remove the last click."""

@@ -94,8 +94,8 @@ class Keyboard(QObject):
 
     - A character that a field cannot use acts on the window: Space runs, letters select tools.
     - Enter keeps what is typed in a field, presses a button, and does what a table does with it. Elsewhere it is that
-      of the canvas, `press_enter`, which returns whether there was anything to do; if not, it ticks a check box. The
-      focus returns to the canvas.
+      of the canvas, `press_enter`, which is told whether to wait for what is being found, and returns whether there was
+      anything to do; if not, it ticks a check box. The focus returns to the canvas.
     - Escape restores the value from before the first key, and returns the focus to the canvas.
 
     Only the widget with the focus is watched; when it is hidden or disabled, the canvas gets the focus.
@@ -104,7 +104,7 @@ class Keyboard(QObject):
     typing_changed = Signal(bool)
     """Whether a field in which text is typed has the focus."""
 
-    def __init__(self, window: QMainWindow, canvas: QWidget, press_enter: Callable[[], bool]) -> None:
+    def __init__(self, window: QMainWindow, canvas: QWidget, press_enter: Callable[[bool], bool]) -> None:
         super().__init__(window)
         self._window = window
         self._canvas = canvas
@@ -194,7 +194,10 @@ class Keyboard(QObject):
         event.accept()
         if used and isinstance(widget, QAbstractItemView):
             return
-        if used or is_typed_in(widget) or self._press_enter() or not isinstance(widget, QCheckBox):
+        in_table = isinstance(
+            widget, QAbstractItemView
+        )  # elsewhere Enter leads back, and is not for what will be found
+        if used or is_typed_in(widget) or self._press_enter(in_table) or not isinstance(widget, QCheckBox):
             self.focus_canvas()
         else:
             widget.click()

@@ -186,8 +186,9 @@ def test_keys_count_in_their_order_while_a_page_is_left_and_what_is_followed_on_
     hand.key(KEY.Key_Return)
     for number in (2, 3):
         hand.key(KEY.Key_PageDown)
-        hand.wait(lambda number=number: pages.number == number and selection.awaits_offer)
-        assert not selection.proposals
+        if number == 3:  # the keys for page 2 are pressed before it is open
+            hand.wait(lambda: pages.number == 3 and selection.awaits_offer)
+            assert not selection.proposals
         hand.key(KEY.Key_Return)
     settled(window, hand)
     assert [len(pages.documents[number].objects.items) for number in (1, 2, 3)] == [1, 1, 1]

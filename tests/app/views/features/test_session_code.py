@@ -167,9 +167,9 @@ def test_a_run_that_the_window_shows_is_not_repeated(ready, hand, tmp_path, monk
     assert repeated  # what is shown has been steered
 
 
-@pytest.mark.parametrize("second", ["copy_command", "copy_view"])
-def test_what_was_copied_last_stays_on_the_clipboard(ready, hand, monkeypatch, second) -> None:
-    """A script that is still being checked when something else is copied does not take its place."""
+@pytest.mark.parametrize(("second", "ended"), [("copy_command", False), ("copy_view", False), ("copy_view", True)])
+def test_what_was_copied_last_stays_on_the_clipboard(ready, hand, monkeypatch, second, ended) -> None:
+    """A script that is still being checked, or just has been, when something else is copied does not take its place."""
     clipboard, go_on, find, begun = QApplication.clipboard(), threading.Event(), session_code._find_code, []
 
     def find_slowly_at_first(*given):
@@ -183,6 +183,10 @@ def test_what_was_copied_last_stays_on_the_clipboard(ready, hand, monkeypatch, s
     ready.actions_by_name["copy_python"].trigger()
     try:
         hand.wait(lambda: bool(begun))
+        if ended:
+            script = ready.session.tasks.current[-1]
+            go_on.set()
+            script.wait()
         ready.actions_by_name[second].trigger()
         hand.wait(lambda: clipboard.text().startswith("cpm ") or not clipboard.image().isNull())
     finally:

@@ -15,6 +15,7 @@ from cpm_app.session.features.object_selection import format_confidence
 from cpm_app.session.features.selector import find_proposals
 from cpm_app.session.scene import Proposal
 from cpm_app.session.storage.session_file import DocumentFile
+from cpm_app.views.features.objects import ObjectsFeature
 from PySide6.QtCore import Qt
 
 from cpm_core import Partition, partition
@@ -760,8 +761,10 @@ def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
-def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_again_by_it(window, hand, objects) -> None:
-    click(hand, *SMALL[0])
+def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_again_by_it(
+    window, hand, objects, monkeypatch
+) -> None:
+    click(hand, *LARGE[0])
     take(hand)
     hand.key(KEY.Key_Delete)
     run_everywhere(hand)
@@ -770,8 +773,17 @@ def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_aga
     assert len(taken(window)) == 1
     window.workspace.object_list.select_objects((1,))
     hand.key(KEY.Key_Delete)
-    hand.wait(lambda: objects.idle and not taken(window) and len(objects.proposals) == 1)
-    assert objects.proposals[0].selection.contains(np.array([LARGE[0]])).all()
+    hand.qtbot.wait(20)
+    hand.wait(lambda: objects.idle and not taken(window))
+    objects.search_again()
+    hand.wait(lambda: objects.idle and objects.offer_is_known)
+    assert [each.selection.contains(np.array([SMALL[0]])).all() for each in objects.proposals] == [True]
+    assert [each.key for each in objects.proposals] == [-1], "what is seen is numbered from 1"
+    monkeypatch.setattr(object_selection, "select_all", lambda cut, like: (like[0], cut.select([LARGE[0]])))
+    take(hand)
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: objects.idle and window.session.idle)
+    assert window.canvas_area.messages.text == "No other object like this one was found."
 
 
 def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path) -> None:
@@ -836,6 +848,38 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
         assert len(taken(window)) == left
     hand.qtbot.wait(20)
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+
+
+@pytest.mark.parametrize("in_table", [False, True], ids=["canvas", "table"])
+def test_all_like_an_object_come_after_what_a_run_proposes_and_enter_right_after_accepts_both(
+    window, hand, objects, monkeypatch, in_table
+) -> None:
+    may_find = threading.Event()
+
+    def find_late(*given):
+        may_find.wait(20.0)
+        return find_proposals(*given)
+
+    def find_one(cut, like):
+        time.sleep(0.1)
+        return like[0], replace(cut.build_selection(disk((5, 58), 3.0), np.array([(5.0, 58.0)])), confidence=0.9)
+
+    monkeypatch.setattr(object_selection, "find_proposals", find_late)
+    monkeypatch.setattr(object_selection, "select_all", find_one)
+    click(hand, *SMALL[0])
+    take(hand)
+    window.actions_by_name["start_grid"].trigger()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: objects.awaits_offer)
+    window.workspace.object_list.select_objects((1,))
+    hand.key(KEY.Key_L, CONTROL)
+    if in_table:
+        window.docks.reveal_panel("objects")
+        window.get_feature(ObjectsFeature).panel.table.setFocus()
+    take(hand)
+    may_find.set()
+    hand.wait(lambda: objects.idle and len(taken(window)) == 3)
 
 
 def test_what_the_user_has_turned_to_and_what_is_proposed_stay_when_objects_like_one_are_found(
@@ -1049,7 +1093,7 @@ def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> No
     hand.wait(lambda: np.array_equal(offered(objects), before.mask))
 
 
-def test_rejecting_a_correction_leaves_the_object_as_it_was(window, hand, objects) -> None:
+def test_rejecting_a_correction_leaves_the_object_and_the_preview_of_clicks_as_they_were(window, hand, objects) -> None:
     click(hand, *SMALL[0])
     take(hand)
     before = taken(window)
@@ -1059,3 +1103,5 @@ def test_rejecting_a_correction_leaves_the_object_as_it_was(window, hand, object
     hand.key(KEY.Key_X)
     hand.wait(lambda: objects.idle and not objects.selecting)
     assert taken(window) == before
+    hand.move(44, 43)
+    hand.wait(lambda: window.session.scene.objects.preview is not None)
