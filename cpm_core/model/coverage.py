@@ -90,22 +90,12 @@ def mark_covered(coverage: Coverage, positions: Array, on_edge: Mask, step: int)
     `positions`, shape (N, 2) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
     coverage afterwards, the same one if no cell is new, and the number of newly covered cells.
     """
-    if not _has_new_cell(coverage.found, positions, on_edge):  # as mostly, without a copy of large arrays
+    row, col = cell_indices(positions[on_edge], coverage.found.shape)
+    if (coverage.found[row, col] != NEVER_COVERED).all():  # as mostly, without a copy of large arrays
         return coverage, 0
     found, latest = coverage.found.copy(), coverage.latest.copy()
     new = _mark_new_cells(found, latest, positions, on_edge, step)
     return Coverage(found, latest, coverage.size + new), new
-
-
-@compiled
-def _has_new_cell(found: Steps, positions: Array, on_edge: Mask) -> bool:
-    """Return whether a particle on an edge lies in a cell that was never covered."""
-    rows, cols = found.shape
-    for i in range(len(positions)):
-        row, col = cell_of(positions[i, 0], COVERAGE_CELL, rows), cell_of(positions[i, 1], COVERAGE_CELL, cols)
-        if on_edge[i] and found[row, col] == NEVER_COVERED:
-            return True
-    return False
 
 
 @compiled

@@ -87,10 +87,9 @@ class ObjectCommands(QObject):
         rows = selected or tuple(self._list.pending_rows)
         if self._has_frozen(rows):
             return
-        self._remove_rows(tr("reject {what}"), rows, objects.reject_objects)
-        offered = [row for row in rows if row.kind == "proposal" and row.key != DRAFT_KEY]
-        if offered and not selected:
-            words = insert_keys(tr("Rejected proposals: {count}. {key:undo} brings them back."), count=len(offered))
+        count = self._remove_rows(tr("reject {what}"), rows, objects.reject_objects)
+        if count and not selected:
+            words = insert_keys(tr("Rejected proposals: {count}. {key:undo} brings them back."), count=count)
             self._session.messages.show(words, category=EDITING_CATEGORY)
 
     def delete_selected(self) -> None:
@@ -268,8 +267,8 @@ class ObjectCommands(QObject):
         undo_text: str,
         rows: Sequence[ObjectRow],
         remove: Callable[[Document, Iterable[int], Iterable[SegmentedObject]], Document],
-    ) -> None:
-        """Drop the draft if it is among the rows, and remove objects with some numbers, and proposals."""
+    ) -> int:
+        """Drop the draft if it is among the rows, and `remove` the objects and proposals; return how many of these."""
         draft = any(row.key == DRAFT_KEY for row in rows)
         offered = [row.item for row in rows if row.kind == "proposal" and row.key != DRAFT_KEY]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
@@ -279,6 +278,7 @@ class ObjectCommands(QObject):
             return remove(objects.set_selection_clicks(document, ()) if draft else document, numbers, offered)
 
         self._edit_rows(undo_text, rows, edit)
+        return len(offered)
 
     def _edit_rows(
         self,

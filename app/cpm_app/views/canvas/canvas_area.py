@@ -175,7 +175,9 @@ class CanvasArea(QWidget):
         tool = self.canvas.dispatcher.tool
         if tool.has_draft:
             tool.finish()
-        elif self._workspace.object_commands.can_accept or (waits and self._selection.can_accept):
+        elif self._workspace.object_commands.can_accept or (
+            self._selection.can_accept and (waits or self._selection.selecting)
+        ):
             self._selection.accept()
         else:
             return False
