@@ -30,6 +30,9 @@ _MIN_VISIBLE, _MIN_HIT = 12, 4
 _DETAIL, _MIN_DETAIL, _MIN_DETAIL_SIDE = (0.01, 0.12), 1.5, 24.0
 """Half the width of a detail, in extents of its object; the least, and the least side of a window around it [px]."""
 
+_WHOLE_SHARE = 0.4
+"""How often a detail is corrected in a window around its whole object, as `ObjectPredictor` first does."""
+
 
 class Chance:
     """Random numbers, each kind from a generator of its own.
@@ -151,8 +154,13 @@ def close_correction(example: Example, chance: Chance) -> tuple[View, Prompt] | 
     left, top, width, height, _ = boxes[number]
     wrong = numbers == number
     former = mask ^ (wrong if plain.random() < 0.7 else narrow)
-    side = max(max(width, height) * chance.log_uniform(1.0, 3.0), _MIN_DETAIL_SIDE)
-    row, col = (at + plain.uniform(-0.25, 0.25) * side for at in (top + height / 2, left + width / 2))
+    if plain.random() < _WHOLE_SHARE:
+        side = max(extent * chance.log_uniform(1.0, 3.0), _MIN_DETAIL_SIDE)
+        middle, slack = tuple((line.min() + line.max() + 1) / 2 for line in np.nonzero(mask)), 0.5 * (side - extent)
+    else:
+        side = max(max(width, height) * chance.log_uniform(1.0, 3.0), _MIN_DETAIL_SIDE)
+        middle, slack = (top + height / 2, left + width / 2), 0.25 * side
+    row, col = (at + plain.uniform(-slack, slack) for at in middle)
     found = _seen_through(example._replace(hit=None), (row, col), side, False, chance)
     if found is None:
         return None

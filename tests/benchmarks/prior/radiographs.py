@@ -11,12 +11,15 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Mask, Pixels, Single
-from tests.benchmarks.prior.pictures import Example
+from tests.benchmarks.prior.pictures import Example, largest_part
 from tests.benchmarks.prior.shapes import FULL_TURN, direction, within
 from tests.benchmarks.prior.textures import blurred, log_uniform, noise, texture
 
 _MIN_AREA = 120
-"""Pixels of the smallest object."""
+"""Pixels of the smallest object, and of the least flesh beside bones that may be pointed at."""
+
+_LIMB_SHARE = 0.35
+"""How often flesh whose end is sharp is the object, with the bones in it, rather than one of these."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,7 @@ class _Chain:
 
 
 def radiograph(rng: Generator, side: int = 192) -> Example:
-    """One of several bones in flesh, each of which adds to what absorbs."""
+    """One of several bones in flesh, each of which adds to what absorbs; or flesh and bones, pointed at in flesh."""
     while True:
         chains = _chains(side, rng)
         bones = [bone for chain in chains for bone in chain.bones]
@@ -48,7 +51,14 @@ def radiograph(rng: Generator, side: int = 192) -> Example:
         bones = [bone for bone in bones if bone.sum() >= _MIN_AREA]
         if not bones:
             continue
-        image = _exposed(bones, _flesh(chains, bones, rng), rng)
+        flesh, is_sharp = _flesh(chains, bones, rng)
+        image = _exposed(bones, flesh, rng)
+        if is_sharp and rng.random() < _LIMB_SHARE:
+            everything = np.any(bones, axis=0)
+            limb = largest_part((flesh > 0) | everything)
+            beside = limb & ~(cv2.dilate(everything.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0)
+            if beside.sum() >= _MIN_AREA and limb.mean() < 0.8:
+                return Example(image, limb, beside)
         hidden = np.sum(bones, axis=0) > 1
         fitting = [bone for bone in bones if bone.mean() < 0.5 and (bone & hidden).sum() < 0.3 * bone.sum()]
         if fitting:
@@ -95,16 +105,16 @@ def _end_cap(side: int, start: Array, angle: float, length: float, half: float, 
     return within(side, middle + turned)
 
 
-def _flesh(chains: list[_Chain], bones: list[Mask], rng: Generator) -> Single:
-    """How thick the flesh is, 1 at most: a haze around the bones, or limbs that end sharply and a palm between them."""
+def _flesh(chains: list[_Chain], bones: list[Mask], rng: Generator) -> tuple[Single, bool]:
+    """How thick the flesh is, and whether it ends sharply: a haze around bones, or limbs and a palm between them."""
     side = len(bones[0])
     everything = np.any(bones, axis=0)
     kind = rng.random()
     if kind < 0.15:
-        return np.ones((side, side), np.float32)
+        return np.ones((side, side), np.float32), False
     if kind < 0.4:
         reach = side * rng.uniform(0.03, 0.14)
-        return np.clip(1 - _distance(~everything) / reach, 0, 1) ** rng.uniform(0.3, 1)
+        return np.clip(1 - _distance(~everything) / reach, 0, 1) ** rng.uniform(0.3, 1), False
     thick = np.zeros((side, side), np.float32)
     around = rng.uniform(1.6, 3.2)
     for chain in chains:
@@ -118,7 +128,7 @@ def _flesh(chains: list[_Chain], bones: list[Mask], rng: Generator) -> Single:
         cv2.fillConvexPoly(palm, cv2.convexHull(np.round(corners[:, ::-1]).astype(np.int32)), 0)
         reach = around * chains[0].width * rng.uniform(0.8, 2)
         thick = np.maximum(thick, rng.uniform(0.9, 1.6) * _rounded(_distance(palm > 0) / reach))
-    return thick
+    return thick, True
 
 
 def _distance(mask: Mask) -> Single:
