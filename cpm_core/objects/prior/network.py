@@ -1,8 +1,8 @@
 """The network: a small U-Net, run by matrix products alone.
 
 Rectified convolutions of 3 x 3 pixels at five resolutions, each half as fine as the one before; on the way back the
-finer maps are concatenated (Ronneberger, Fischer and Brox 2015, doi:10.1007/978-3-319-24574-4_28). A second output
-predicts the overlap of the answer with the intended object.
+finer maps are concatenated (Ronneberger, Fischer and Brox 2015, doi:10.1007/978-3-319-24574-4_28). It gives several
+answers at once, as a click may mean several objects, and predicts the overlap of each with the intended object.
 """
 
 from __future__ import annotations
@@ -42,14 +42,15 @@ class Network:
     weights: Mapping[str, Single]
 
     @limit_blas()
-    def __call__(self, maps: Single) -> tuple[Single, float]:
+    def __call__(self, maps: Single) -> tuple[Single, Single]:
         """Answer to input maps, shape (C, H, W), with sides divisible by 16.
 
         Returns
         -------
-        tuple of ndarray of float32 and float
-            Probability of each pixel that it lies in the object, shape (H, W), and the estimated overlap
-            (intersection over union) of that answer with the object.
+        tuple of ndarray of float32
+            For each of N answers the probability of each pixel that it lies in the object, shape (N, H, W), and the
+            estimated overlap (intersection over union) with the object, shape (N,). The first answer is the likeliest
+            one; the others, which differ from one another, are of use only for a prompt without a previous mask.
         """
         finer = []
         for level, count in enumerate(_ENCODER_LAYERS):
@@ -61,12 +62,12 @@ class Network:
                 maps = self._convolve_rectified(maps, f"down{level}.{number}")
         maps = maps + np.maximum(self._apply_dense(maps.mean((1, 2)), "context"), 0.0)[:, None, None]
         hidden = np.maximum(self._apply_dense(np.concatenate([maps.mean((1, 2)), maps.max((1, 2))]), "overlap.0"), 0.0)
-        overlap = float(scipy.special.expit(self._apply_dense(hidden, "overlap.1")[0]))
+        overlaps = scipy.special.expit(self._apply_dense(hidden, "overlap.1"))
         for level, count in _DECODER_LAYERS:
             maps = np.concatenate([_upsample(self._mix_maps(maps, f"mix{level}")), finer[level]])
             for number in range(count):
                 maps = self._convolve_rectified(maps, f"up{level}.{number}")
-        return scipy.special.expit(self._mix_maps(maps, "out")[0]), overlap
+        return scipy.special.expit(self._mix_maps(maps, "out")), overlaps
 
     def _convolve_rectified(self, maps: Single, layer: str) -> Single:
         """Convolve maps by 3 x 3 pixels with zeros beyond the border, and rectify.

@@ -6,6 +6,7 @@ then a crop around the answer so far.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
 from functools import cached_property
@@ -263,11 +264,12 @@ class ObjectPredictor:
             return answer.compute_score(known_area, prompt.drawn_area)
 
         def refine(answer: CropPrediction) -> tuple[Prediction, CropPrediction]:
-            agreement = max((answer.compute_iou_with(one) for one in answers if one is not answer), default=1.0)
+            others = (one for one in answers if one.crop is not answer.crop)
+            agreement = max((answer.compute_iou_with(one) for one in others), default=1.0)
             return self._refine_prediction(answer, prompt, agreement, 0)
 
-        answers = map_in_parallel(lambda window: self._predict_crop(window, prompt), [*self._propose_crops(prompt)])
-        answers.sort(key=score, reverse=True)
+        crops = map_in_parallel(lambda window: self._predict_in_crop(window, prompt), [*self._propose_crops(prompt)])
+        answers = sorted(itertools.chain.from_iterable(crops), key=score, reverse=True)
         distinct = _choose_distinct(answers)
         close = sum(score(answer) > score(distinct[0]) - _CLOSE_SCORE for answer in distinct)
         cut: list[Prediction] = []
@@ -359,7 +361,13 @@ class ObjectPredictor:
         yield Crop2D(0.5 * shape, largest)
 
     def _predict_crop(self, window: Crop2D, prompt: Prompt, former: CropPrediction | None = None) -> CropPrediction:
-        """Predict the object in a crop, given an earlier answer or the previous mask of the prompt."""
+        """Predict the likeliest object in a crop, given an earlier answer or the previous mask of the prompt."""
+        return self._predict_in_crop(window, prompt, former)[0]
+
+    def _predict_in_crop(
+        self, window: Crop2D, prompt: Prompt, former: CropPrediction | None = None
+    ) -> list[CropPrediction]:
+        """Predict the objects that a prompt may mean in a crop, the likeliest one first."""
         seen = self._sampler.sample_crop(window)
         inside, outside = (mark_points(window.to_crop_steps(each)) for each in (prompt.positive, prompt.negative))
         drawn: Single = np.zeros(seen.shape[1:], np.float32)
@@ -376,7 +384,8 @@ class ObjectPredictor:
             before = window.sample_from(former.crop, former.probability)
         elif prompt.previous_mask is not None:
             before = window.sample_map(prompt.previous_mask)
-        return CropPrediction(window, *self.network(build_input_maps(seen, level, inside, outside, drawn, before)))
+        probabilities, overlaps = self.network(build_input_maps(seen, level, inside, outside, drawn, before))
+        return [CropPrediction(window, *answer) for answer in zip(probabilities, overlaps.tolist(), strict=True)]
 
     @cached_property
     def _sampler(self) -> ImageSampler:

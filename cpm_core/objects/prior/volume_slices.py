@@ -100,7 +100,12 @@ def predict_slices(queries: Sequence[SliceQuery], context: CropContext, network:
 
 def _predict_in_parallel(build_maps: Callable[[int], Single], count: int, network: Network) -> list[SlicePrediction]:
     """Predict slices on all cores, each from the input maps that are built for its number."""
-    return map_in_parallel(lambda number: SlicePrediction(*network(build_maps(number))), range(count))
+
+    def predict(number: int) -> SlicePrediction:
+        probabilities, overlaps = network(build_maps(number))
+        return SlicePrediction(probabilities[0], float(overlaps[0]))
+
+    return map_in_parallel(predict, range(count))
 
 
 def _build_query_maps(query: SliceQuery, context: CropContext) -> Single:

@@ -67,7 +67,7 @@ CLOSE_SHARE = 0.25
 """How often a detail of the example is corrected in a window of its own, if it has any."""
 
 BATCH = 16
-CORRECTIONS = (0, 0, 1, 2, 3)
+CORRECTIONS = (0, 0, 0, 1, 2, 3)
 """Numbers of corrections before the network is taught, each as likely as the others."""
 
 WARM_UP = 150
@@ -233,7 +233,7 @@ def _corrected_batch(
     for _ in range(corrections):
         with torch.no_grad():
             logits, _ = _answers(network, views, prompts)
-        for seen, prompt, probability in zip(views, prompts, torch.sigmoid(logits).cpu().numpy(), strict=True):
+        for seen, prompt, probability in zip(views, prompts, torch.sigmoid(logits[:, 0]).cpu().numpy(), strict=True):
             answer = probability > 0.5
             prompt.correct(answer, seen.mask, chance)
             prompt.former = answer.astype(np.float32) if as_mask else probability
@@ -257,9 +257,9 @@ def _maps(views: Sequence[View], prompts: Sequence[Prompt]) -> Tensor:
 def _loss(network: UNet, views: Sequence[View], prompts: Sequence[Prompt]) -> tuple[Tensor, Tensor]:
     """What is minimized, and the mean overlap of the answers with the objects."""
     logits, estimates = _answers(network, views, prompts)
-    truth = torch.from_numpy(np.stack([seen.mask for seen in views]).astype(np.float32)).to(DEVICE)
-    areas = torch.tensor([float(seen.area) for seen in views], device=DEVICE)
-    pixels = (1, 2)
+    truth = torch.from_numpy(np.stack([seen.mask for seen in views]).astype(np.float32)).to(DEVICE)[:, None]
+    areas = torch.tensor([[float(seen.area)] for seen in views], device=DEVICE)
+    pixels = (2, 3)
     probability = torch.sigmoid(logits)
     common = (probability * truth).sum(pixels)
     soft_overlap = common / ((probability + truth - probability * truth).sum(pixels) + 1)
@@ -267,9 +267,17 @@ def _loss(network: UNet, views: Sequence[View], prompts: Sequence[Prompt]) -> tu
     # what the window cuts off counts as missing, so that a window that shows an object whole promises more
     union = torch.maximum(answer, truth).sum(pixels) + areas - truth.sum(pixels) + 1
     overlap = ((answer * truth).sum(pixels) / union).detach()
-    off = ((torch.sigmoid(estimates) - overlap) ** 2).mean()
-    entropy = functional.binary_cross_entropy_with_logits(logits, truth)
-    return entropy + (1 - soft_overlap).mean() + OVERLAP_COUNTS * off, overlap.mean()
+    entropy = functional.binary_cross_entropy_with_logits(logits, truth.expand_as(logits), reduction="none")
+    shape = entropy.mean(pixels) + 1 - soft_overlap
+    off = (torch.sigmoid(estimates) - overlap) ** 2
+    loss = (shape + OVERLAP_COUNTS * off)[:, 0].mean()
+    is_first = torch.tensor([not prompt.former.any() for prompt in prompts], device=DEVICE)
+    if is_first.any():
+        # of answers to what means several objects only the best one learns its shape (Guzman-Rivera et al. 2012)
+        several = shape[is_first, 1:].min(1).values.mean()
+        several = several + OVERLAP_COUNTS * off[is_first, 1:].mean()
+        loss = loss + is_first.float().mean() * several
+    return loss, overlap[:, 0].mean()
 
 
 def _exchanged(parameters: Sequence[nn.Parameter], share: float, ranks: int) -> float:

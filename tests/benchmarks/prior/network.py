@@ -18,7 +18,13 @@ WIDTHS = (16, 32, 64, 96, 128)
 """Maps at each resolution, the finest first."""
 
 _HIDDEN = 32
-"""Values between the coarsest maps and the estimate of the overlap."""
+"""Values between the coarsest maps and the estimates of the overlaps."""
+
+ANSWERS = 4
+"""Answers at once: the first one to all prompts, the others to what means several objects before any correction."""
+
+_LOGITS_APART = 1.5
+"""What the answers differ by at first, if weights of a single one are learned on: a smaller object to a larger one."""
 
 
 class Block(nn.Sequential):
@@ -41,14 +47,14 @@ class UNet(nn.Module):
         self.down = nn.ModuleList([nn.Sequential(Block(MAPS, WIDTHS[0]))])
         self.down.extend(nn.Sequential(Block(finer, width), Block(width, width)) for finer, width in pairwise(WIDTHS))
         self.context = nn.Conv2d(coarsest, coarsest, 1)
-        self.overlap = nn.ModuleList([nn.Linear(2 * coarsest, _HIDDEN), nn.Linear(_HIDDEN, 1)])
+        self.overlap = nn.ModuleList([nn.Linear(2 * coarsest, _HIDDEN), nn.Linear(_HIDDEN, ANSWERS)])
         levels = range(len(WIDTHS) - 2, -1, -1)
         self.mix = nn.ModuleDict({str(level): nn.Conv2d(WIDTHS[level + 1], WIDTHS[level], 1) for level in levels})
         self.up = nn.ModuleDict({str(level): _joined(level) for level in levels})
-        self.out = nn.Conv2d(WIDTHS[0], 1, 1)
+        self.out = nn.Conv2d(WIDTHS[0], ANSWERS, 1)
 
     def forward(self, maps: Tensor) -> tuple[Tensor, Tensor]:
-        """Logits of each pixel, shape (B, H, W), and of the overlap, shape (B,), for maps of shape (B, C, H, W)."""
+        """Logits of each pixel, (B, ANSWERS, H, W), and of the overlaps, (B, ANSWERS), for maps (B, C, H, W)."""
         finer: list[Tensor] = []
         for level, blocks in enumerate(self.down):
             if level:
@@ -62,14 +68,15 @@ class UNet(nn.Module):
             mixed = self.mix[level](maps)
             doubled = functional.interpolate(mixed, scale_factor=2, mode="bilinear", align_corners=False)
             maps = blocks(torch.cat([doubled, finer[int(level)]], 1))
-        return self.out(maps)[:, 0], overlap[:, 0]
+        return self.out(maps), overlap
 
 
 def restore(network: UNet, stored: Mapping[str, NDArray[np.float16]], seen: Sequence[Tensor]) -> None:
     """Give a network stored weights, to learn on from them.
 
     The stored ones hold the normalization within the convolutions. It is taken out again, by the mean and variance of
-    each layer over maps `seen`, each of shape (B, C, H, W), so that the answers stay the same.
+    each layer over maps `seen`, each of shape (B, C, H, W), so that the answers stay the same. Weights of a single
+    answer become those of all, the others a little smaller or larger.
     """
     normalizations = {}
     for name, layer in network.named_modules():
@@ -77,6 +84,10 @@ def restore(network: UNet, stored: Mapping[str, NDArray[np.float16]], seen: Sequ
         if key not in stored:
             continue
         matrix, offset = (torch.from_numpy(stored[each].astype(np.float32)) for each in (key, key + ".offset"))
+        if len(offset) == 1:
+            matrix, offset = matrix.repeat(ANSWERS, 1), offset.repeat(ANSWERS)
+            if layer is network.out:
+                offset[1:] += torch.linspace(-_LOGITS_APART, _LOGITS_APART, ANSWERS - 1)
         if isinstance(layer, Block):
             convolution, normalization = layer[0], layer[1]
             inputs = convolution.weight.shape[1]
