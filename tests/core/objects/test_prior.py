@@ -103,6 +103,29 @@ def test_a_point_in_a_narrow_bay_of_a_large_object_cuts_out_the_bay():
     assert overlap(cut & (np.abs(col - 120) <= 25) & (row < 185), bay) > 0.62
 
 
+def answers(*given):
+    """What a network answers, of pairs of a map of probabilities and an estimated overlap."""
+    maps, overlaps = zip(*given, strict=True)
+    return np.stack(maps).astype(np.float32), np.float32(overlaps)
+
+
+def test_all_that_a_click_may_mean_in_one_crop_is_offered_the_likeliest_first():
+    row, col = np.indices((300, 300))
+    small, large = (np.hypot(row - 150, col - 150) < radius for radius in (30, 100))
+
+    def answer(maps):
+        """Answer with what is bright, or all that is not dark; with the mask that is given, if there is one."""
+        share = (maps[0] - maps[0].min()) / max(np.ptp(maps[0]), 1e-9)
+        return answers((maps[8], 0.9)) if maps[8].any() else answers((share > 0.75, 0.5), (share > 0.25, 0.8))
+
+    found = ObjectPredictor(100.0 * small + 100.0 * large, network=answer).predict_objects(
+        Prompt(np.array([[150, 150]]))
+    )
+    first, *others = found
+    assert overlap(first.mask, large) > 0.9
+    assert max(overlap(one.mask, small) for one in others) > 0.9
+
+
 def test_what_covers_most_of_the_image_comes_after_what_is_smaller_and_holds_the_click():
     prompt, seen = Prompt(np.array([[60, 55]])), []
 
@@ -110,7 +133,7 @@ def test_what_covers_most_of_the_image_comes_after_what_is_smaller_and_holds_the
         """Answer with what is near the click in small crops, and, of a better score, with all of the two largest."""
         seen.append(maps)
         is_large = len(seen) in (count - 1, count) or maps[8].mean() > 0.3
-        return np.where(is_large, 1.0, maps[5]).astype(np.float32), 0.9 if is_large else 0.5
+        return answers((np.where(is_large, 1.0, maps[5]), 0.9 if is_large else 0.5))
 
     predictor = ObjectPredictor(np.zeros((SIDE, SIDE)), network=answer)
     count = len(list(predictor._propose_crops(prompt)))
@@ -127,7 +150,7 @@ def test_what_is_cut_at_the_sides_of_its_crop_comes_after_what_is_whole():
     def answer(maps):
         """Answer with what is bright, and, of a better score, with all of a crop in which nothing is seen."""
         is_flat = np.ptp(maps[0]) < 0.5
-        return np.where(is_flat, 1.0, maps[0] > 0.0).astype(np.float32), 0.9 if is_flat else 0.5
+        return answers((np.where(is_flat, 1.0, maps[0] > 0.0), 0.9 if is_flat else 0.5))
 
     first, *others = ObjectPredictor(200.0 * disk, network=answer).predict_objects(Prompt(np.array([[300, 300]])))
     assert overlap(first.mask, disk) > 0.95
@@ -142,8 +165,8 @@ def test_of_answers_that_are_about_as_likely_the_one_that_is_more_likely_as_refi
         """Answer with what is near the click where the disk fills the crop, which is likely in the first one alone."""
         seen.append(maps)
         if np.ptp(maps[0]) < 0.5:
-            return (maps[5] > 0.5).astype(np.float32), 0.9 if len(seen) == 1 else 0.2
-        return (maps[0] > 0.0).astype(np.float32), 0.85
+            return answers((maps[5] > 0.5, 0.9 if len(seen) == 1 else 0.2))
+        return answers((maps[0] > 0.0, 0.85))
 
     first, *others = ObjectPredictor(200.0 * disk, network=answer).predict_objects(Prompt(np.array([[300, 300]])))
     assert overlap(first.mask, disk) > 0.95
