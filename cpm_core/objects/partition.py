@@ -32,6 +32,7 @@ from cpm_core.numerics.grids import (
     expand_window,
     first_pixel,
     label_parts,
+    measure_depth,
     nearest_pixels,
     running_maximum,
 )
@@ -401,13 +402,26 @@ class Partition(drawing.Pictured):
             prompt = replace(prompt, positive=prompt.positive[~part[tuple(prompt.positive.T)]])
 
     def _correct_by_network(self, prompt: Prompt, mask: Mask, free: Mask) -> Candidate:
-        """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove."""
-        before = Region.from_mask(mask)
-        found = next(self._predict_candidates(prompt), Candidate(before))
+        """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove.
+
+        The object may also be another one of those that the positive points alone mean: a user points at the middle of
+        what is wrong.
+        """
+        before, wrong = Region.from_mask(mask), prompt.find_contradictions(mask)
         adds, removes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
+        meant = replace(prompt, negative=prompt.negative[:0], previous_mask=None)
+
+        def limit_change(found: Candidate) -> Candidate:
+            return found._replace(
+                region=found.region.united(before) if adds else found.region.shared_with(before),
+                features=found.features and found.features._replace(point_count=prompt.point_count),
+            )
+
+        found = next(self._predict_candidates(prompt), Candidate(before))
         if adds != removes:
-            changed = found.region.united(before) if adds else found.region.shared_with(before)
-            found = found._replace(region=changed)
+            others = (limit_change(one) for one in self._predict_candidates(meant)) if len(prompt.positive) else ()
+            fitting = [one for one in others if not len(prompt.find_contradictions(one.region.paste(self.shape)))]
+            found = max((limit_change(found), *fitting), key=lambda one: _rate_correction(one, mask, wrong))
         return self._keep_connected(found, prompt, free)
 
     def _outline_candidate(self, found: Candidate, request: _Request) -> Selection:
@@ -802,6 +816,20 @@ def _cut_body_at_necks(mask: Mask, pixels: Index) -> Mask:
     body = np.zeros_like(mask)
     body[box] = held[parts]
     return body
+
+
+def _rate_correction(found: Candidate, previous: Mask, places: Index) -> float:
+    """Rate a correction: how near the middle of what it changes the points, shape (N, 2), are, and its certainty.
+
+    It is 0 for one that does not change the pixels of all points.
+    """
+    changed = found.region.paste(previous.shape) != previous
+    if not changed[tuple(places.T)].all():
+        return 0.0
+    box, corner = _padded_box(changed)
+    depth = measure_depth(changed[box])
+    centrality = depth[tuple((places - corner).T)].mean() / depth.max()
+    return float(centrality) + (found.features or ConfidenceFeatures()).mean_certainty
 
 
 def _find_part_meant(mask: Mask, prompt: Prompt, previous: Selection | None) -> Mask | None:

@@ -72,7 +72,7 @@ _CLOSE_SCORE = 0.1
 Among the best answers to 590 first clicks in objects that people outlined, more made no difference.
 """
 
-MAX_PREDICTIONS = 4
+MAX_PREDICTIONS = 6
 """Largest number of objects that one prompt may mean."""
 
 _POINT_FADING = 6.0
