@@ -404,12 +404,12 @@ class Partition(drawing.Pictured):
     def _correct_by_network(self, prompt: Prompt, mask: Mask, free: Mask) -> Candidate:
         """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove.
 
-        The object may also be another one of those that the positive points alone mean: a user points at the middle of
+        The object may also be another one of those that the earlier points may mean: a user points at the middle of
         what is wrong.
         """
         before, wrong = Region.from_mask(mask), prompt.find_contradictions(mask)
-        adds, removes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
-        meant = replace(prompt, negative=prompt.negative[:0], previous_mask=None)
+        is_added = ~mask[tuple(prompt.positive.T)]
+        adds, removes = is_added.any(), mask[tuple(prompt.negative.T)].any()
 
         def limit_change(found: Candidate) -> Candidate:
             return found._replace(
@@ -419,10 +419,29 @@ class Partition(drawing.Pictured):
 
         found = next(self._predict_candidates(prompt), Candidate(before))
         if adds != removes:
-            others = (limit_change(one) for one in self._predict_candidates(meant)) if len(prompt.positive) else ()
+            others = map(limit_change, self._list_meant(replace(prompt, positive=prompt.positive[~is_added])))
             fitting = [one for one in others if not len(prompt.find_contradictions(one.region.paste(self.shape)))]
             found = max((limit_change(found), *fitting), key=lambda one: _rate_correction(one, mask, wrong))
         return self._keep_connected(found, prompt, free)
+
+    def _list_meant(self, prompt: Prompt) -> tuple[Candidate, ...]:
+        """List the objects that a prompt may mean without its negative points and its previous mask.
+
+        They are kept until those of another prompt are, as previews of one more point need them again and again.
+        """
+        meant = replace(prompt, negative=prompt.negative[:0], previous_mask=None)
+        drawn = b"" if meant.drawn_area is None else meant.drawn_area.tobytes()
+        key = meant.positive.tobytes(), meant.box, drawn
+        found = self._kept_meant.get(key)
+        if found is None:
+            found = tuple(self._predict_candidates(meant)) if meant.point_count or meant.box else ()
+            self._kept_meant.clear()
+            self._kept_meant[key] = found
+        return found
+
+    @cached_property
+    def _kept_meant(self) -> dict[tuple[object, ...], tuple[Candidate, ...]]:
+        return {}
 
     def _outline_candidate(self, found: Candidate, request: _Request) -> Selection:
         """Outline a candidate, with a remark if hardly anything says that it is an object.
