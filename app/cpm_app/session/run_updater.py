@@ -63,8 +63,7 @@ class RunUpdater:
         document = self._store.scene.document
         self._last_start_counts, self._last_shapes = document.start_counts, document.shapes
         for run, (first, sources) in begun.items():
-            known = first.objects.recognize_deleted(document.objects)
-            self._documents_by_run[run] = replace(first, image=document.image, objects=known)
+            self._documents_by_run[run] = replace(first, image=document.image)
             self.sources_by_run[run] = sources
 
     def clear(self) -> None:

@@ -129,6 +129,23 @@ class UndoHistory:
                 ]  # fmt: skip
         return self
 
+    def forget_deleted(self, document: Document) -> Document:
+        """Return the document shown without what has been deleted, as a run begins; redo will not bring it back.
+
+        A deletion that was undone before is not among it: once it is repeated, it is one since the run began.
+        """
+        count = len(document.objects.deleted)
+
+        def forget(one: Document) -> Document:
+            return replace(one, objects=replace(one.objects, deleted=one.objects.deleted[count:]))
+
+        if count:
+            self._done[-1:] = [replace(change, after=forget(change.after)) for change in self._done[-1:]]
+            self._undone[:] = [
+                replace(change, before=forget(change.before), after=forget(change.after)) for change in self._undone
+            ]
+        return forget(document)
+
     def _move_last_change(
         self, source: list[Change], target: list[Change], note_place: Callable[[Change], Change]
     ) -> Change | None:

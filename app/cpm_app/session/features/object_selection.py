@@ -39,7 +39,7 @@ from cpm_core.numerics import Place
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.confidence import whole_percent
-from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects, selection_from_object
+from cpm_core.objects.segmented import Click, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
 
 Made = TypeVar("Made")
@@ -92,9 +92,9 @@ class ObjectSelection(QObject):
         self._is_searched = False
         """Whether the search in the partition has ended."""
         self._comparing = ENDED_TASK
-        self._alike: tuple[Proposal, ...] = ()
-        """Objects that are similar to one, offered until others are found."""
-        self._objects_before_alike, self._parts = SegmentedObjects(), IdentityCache()
+        self._run, self._alike = 0, tuple[Proposal, ...]()
+        """Objects that are similar to one, offered until a run begins."""
+        self._parts = IdentityCache()
         self._selectors: dict[int, Selector] = {}
         self._selectors_source: PartitionSource | None = None
         self._seen: dict[int, Mapping[Clicks, Selection | None]] = {}
@@ -306,7 +306,7 @@ class ObjectSelection(QObject):
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
-        example, offered, there = known[number], self.proposals, (*known.items, *self._session.dismissed_objects)
+        example, offered, there = known[number], self.proposals, (*known.items, *known.dismissed)
 
         def find_new(task: BackgroundTask) -> list[Selection]:
             found = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
@@ -320,13 +320,12 @@ class ObjectSelection(QObject):
                 self._comparing = ENDED_TASK
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
-            kept = _leave_out(self._alike, known.find_deleted_since(self._objects_before_alike))
-            last = min((each.key for each in (*self._found, *kept)), default=0)
+            last = min((each.key for each in (*self._found, *self._alike)), default=0)
             made = (
                 Proposal(each, (Click(as_line(each.inside)),), key=last - at, category=example.category)
                 for at, each in enumerate(new, 1)
             )
-            self._alike, self._objects_before_alike = (*kept, *made), known
+            self._alike = (*self._alike, *made)
             if self._session.scene.objects.selected == {number}:  # which would keep Enter from what was found
                 self._list.select_objects(())
             self._session.messages.show(tr("Objects like this one: {count}.", count=len(new)))
@@ -395,9 +394,8 @@ class ObjectSelection(QObject):
 
     @property
     def _offered(self) -> tuple[Proposal, ...]:
-        """What was found last, and the objects like one, unless deleted since."""
-        deleted = self._session.document.objects.find_deleted_since(self._objects_before_alike)
-        return (*self._found, *self._parts.get(_leave_out, self._alike, deleted))
+        """What was found last, and the other objects like one."""
+        return (*self._found, *self._parts.get(_leave_out, self._alike, self._found))
 
     @property
     def _offers_run(self) -> bool:
@@ -419,7 +417,9 @@ class ObjectSelection(QObject):
             self._request_answer()
 
     def _on_status_changed(self) -> None:
-        """Preview no click while particles move."""
+        """Preview no click while particles move, and offer nothing from before a run."""
+        if self._session.store.generation != self._run:
+            self._run, self._alike = self._session.store.generation, ()
         running = self._session.store.status.phase == "running"
         if running != self._was_running:
             self._was_running = running
@@ -443,13 +443,12 @@ class ObjectSelection(QObject):
             self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
             found, known = partial(self._on_objects_found, partition), self._session.document.objects
-            there = (*known.items, *self._session.dismissed_objects)
+            there = (*known.items, *known.dismissed)
 
-            def find_and_number(task: BackgroundTask) -> tuple[Proposal, ...]:
-                new_first = sorted(find(task), key=lambda each: is_covered(each.selection.region, there))
-                return tuple(replace(each, key=~index) for index, each in enumerate(new_first))
+            def find_new_first(task: BackgroundTask) -> list[Proposal]:
+                return sorted(find(task), key=lambda each: is_covered(each.selection.region, there))
 
-            self._finding = self._start_finding(name, find_and_number, found)
+            self._finding = self._start_finding(name, find_new_first, found)
         return self._found
 
     def _start_finding(
@@ -468,7 +467,9 @@ class ObjectSelection(QObject):
 
     def _on_objects_found(self, partition: AnyPartition, found: Sequence[Proposal]) -> None:
         if self._searched is partition:
-            self._found, self._alike, self._is_searched = tuple(found), (), True
+            last = min((each.key for each in self._alike), default=0)
+            self._found = tuple(replace(each, key=last - at) for at, each in enumerate(found, 1))
+            self._is_searched = True
             if found and not (self.selecting or self._waiting):
                 self._list.select_objects(())  # an object accepted before would keep Enter from what was found
             self._request_answer()
@@ -478,7 +479,7 @@ class ObjectSelection(QObject):
         """Return the selector for the object of a number, or for a new one."""
         known = self._session.document.objects
         self._find_offered(partition)
-        found, rejected = self._offered, self._session.dismissed_objects
+        found, rejected = self._offered, known.dismissed
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
             source = self.partition_updater.source
@@ -645,8 +646,9 @@ class ObjectSelection(QObject):
         self._steps, self._run_ended, self._asked = 0, False, ()
 
 
-def _leave_out(offered: tuple[Proposal, ...], items: Sequence[SegmentedObject]) -> tuple[Proposal, ...]:
-    """Leave out the proposals of some objects."""
+def _leave_out(offered: tuple[Proposal, ...], others: tuple[Proposal, ...]) -> tuple[Proposal, ...]:
+    """Leave out what others propose already."""
+    items = [each.proposed_object for each in others if offered and each.selection.has_boundary]
     return tuple(each for each in offered if not is_covered(each.selection.region, items))
 
 
