@@ -40,10 +40,7 @@ ObjectState = Literal["frozen", "hidden"]
 def describe_doubtful(count: int) -> str:
     """Describe what to do with a number of proposals all of which are doubtful."""
     least = localize_number(f"{100.0 * MIN_LIKELY_CONFIDENCE:.0f} %")
-    words = tr(
-        "Doubtful proposals, less than {least} sure: {count}. Enter accepts those that you select; {key:all_objects} "
-        "selects all."
-    )
+    words = tr("Doubtful (below {least}): {count}. Select by click or {key:all_objects}, then Enter.")
     return insert_keys(words, least=least, count=count)
 
 

@@ -150,7 +150,7 @@ def test_objects_that_are_being_found_are_not_said_to_be_missing(ready, hand, mo
     hand.wait(lambda: panel.summary.text() == "1 proposal")
 
 
-DOUBTFUL = "Doubtful proposals, less than 70 % sure: 1. Enter accepts those that you select; Ctrl+A selects all."
+DOUBTFUL = "Doubtful (below 70 %): 1. Select by click or Ctrl+A, then Enter."
 
 
 def make_unlikely(monkeypatch) -> None:
