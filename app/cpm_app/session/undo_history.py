@@ -130,20 +130,24 @@ class UndoHistory:
         return self
 
     def forget_deleted(self, document: Document) -> Document:
-        """Return the document shown without what has been deleted, as a run begins; redo will not bring it back.
+        """Return the document shown without what has been deleted, as a run begins; so is what undo and redo restore.
 
-        A deletion that was undone before is not among it: once it is repeated, it is one since the run began.
+        Where undo goes back to an earlier run, that stays as it was. A deletion that was undone before is not among
+        what is forgotten: once it is repeated, it is one since the run began.
         """
         count = len(document.objects.deleted)
 
         def forget(one: Document) -> Document:
             return replace(one, objects=replace(one.objects, deleted=one.objects.deleted[count:]))
 
-        if count:
-            self._done[-1:] = [replace(change, after=forget(change.after)) for change in self._done[-1:]]
-            self._undone[:] = [
-                replace(change, before=forget(change.before), after=forget(change.after)) for change in self._undone
-            ]
+        for changes in (self._undone, self._done) if count else ():
+            for at in reversed(range(len(changes))):
+                change = changes[at]
+                earlier = changes is self._done and change.place_before is not None and change.place_before.at_rest
+                before = change.before if earlier else forget(change.before)
+                changes[at] = replace(change, before=before, after=forget(change.after))
+                if earlier:
+                    break
         return forget(document)
 
     def _move_last_change(

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import pytest
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import delete_objects, rename_objects
-from cpm_app.session.undo_history import Change, UndoHistory
+from cpm_app.session.undo_history import Change, TimelinePlace, UndoHistory
 
 from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
@@ -25,12 +27,17 @@ def documents():
 
 
 @pytest.fixture
-def history(documents):
+def history(documents, place):
     both, one, renamed = documents
     known = UndoHistory()
     known.push(Change("delete", both, one))
-    known.push(Change("rename", one, renamed))
+    known.push(Change("rename", one, renamed, place_before=place))
     return known
+
+
+@pytest.fixture
+def place():
+    """Where a run was at rest before the last change: nowhere."""
 
 
 def test_a_run_forgets_what_was_deleted_before_it_and_redo_does_not_bring_it_back(history, documents) -> None:
@@ -44,10 +51,16 @@ def test_a_run_forgets_what_was_deleted_before_it_and_redo_does_not_bring_it_bac
         assert (shown.objects.items[0].name, shown.objects.dismissed) == (name, ())
 
 
-def test_undo_restores_what_was_deleted_before_a_run_began_as_it_was(history, documents) -> None:
-    _, one, renamed = documents
+@pytest.mark.parametrize("place", [None, TimelinePlace(1, 1, 1, 9, Counter(), True)], ids=["no run", "another run"])
+def test_undo_restores_what_was_deleted_before_a_run_only_where_it_goes_back_to_another(
+    history, documents, place
+) -> None:
+    _, _, renamed = documents
     assert history.forget_deleted(renamed).objects.dismissed == ()
-    assert history.undo(None).before == one
+    left = (FIRST,) if place else ()
+    assert history.undo(None).before.objects.dismissed == left
+    assert history.undo(None).after.objects.dismissed == left
+    history.redo(None)
     assert history.redo(None).after.objects.dismissed == ()
 
 

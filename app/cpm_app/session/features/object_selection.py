@@ -93,7 +93,7 @@ class ObjectSelection(QObject):
         """Whether the search in the partition has ended."""
         self._comparing = ENDED_TASK
         self._run, self._alike = 0, tuple[Proposal, ...]()
-        """Objects that are similar to one, offered until a run begins."""
+        """Objects that are similar to one, beside what a run proposes."""
         self._parts = IdentityCache()
         self._selectors: dict[int, Selector] = {}
         self._selectors_source: PartitionSource | None = None
@@ -417,9 +417,10 @@ class ObjectSelection(QObject):
             self._request_answer()
 
     def _on_status_changed(self) -> None:
-        """Preview no click while particles move, and offer nothing from before a run."""
+        """Preview no click while particles move; of objects like one, offer those alone that a run begins with."""
         if self._session.store.generation != self._run:
-            self._run, self._alike = self._session.store.generation, ()
+            self._run, keys = self._session.store.generation, {each.key for each in self.proposals}
+            self._alike = tuple(each for each in self._alike if each.key in keys)
         running = self._session.store.status.phase == "running"
         if running != self._was_running:
             self._was_running = running
