@@ -40,7 +40,9 @@ ObjectState = Literal["frozen", "hidden"]
 def describe_doubtful(count: int) -> str:
     """Describe what to do with a number of proposals all of which are doubtful."""
     least = localize_number(f"{100.0 * MIN_LIKELY_CONFIDENCE:.0f} %")
-    words = tr("Doubtful (below {least}): {count}. Select by click or {key:all_objects}, then Enter.")
+    words = tr(
+        "Doubtful (below {least}): {count}. Click or {key:all_objects}, then Enter: accept · {key:reject}: reject"
+    )
     return insert_keys(words, least=least, count=count)
 
 
@@ -78,6 +80,7 @@ class ObjectCommands(QObject):
         self._accept_rows(tr("accept {what}"), rows, copied=copied)
         self._session.end_gesture()
         if len(rows) < len(offered):
+            self._list.select_objects(())  # else rejecting would be for what has just been accepted
             self._session.messages.show(describe_doubtful(len(offered) - len(rows)), category=EDITING_CATEGORY)
 
     def reject_selected(self) -> None:

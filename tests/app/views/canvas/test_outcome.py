@@ -150,7 +150,7 @@ def test_objects_that_are_being_found_are_not_said_to_be_missing(ready, hand, mo
     hand.wait(lambda: panel.summary.text() == "1 proposal")
 
 
-DOUBTFUL = "Doubtful (below 70 %): 1. Select by click or Ctrl+A, then Enter."
+DOUBTFUL = "Doubtful (below 70 %): 1. Click or Ctrl+A, then Enter: accept · X: reject"
 
 
 def make_unlikely(monkeypatch) -> None:
@@ -202,11 +202,14 @@ def test_what_enter_leaves_is_not_said_to_be_all_that_was_found(window, hand, mo
     assert len(window.session.document.objects.items) == 1
     assert shown.args[0] == DOUBTFUL
     listed, panel = window.workspace.object_list, window.panels["objects"]
-    listed.select_items(())
+    assert not listed.selected_keys
     assert window.canvas_area.hint.text() == shown.args[0]
     window.docks.reveal_panel("objects")
     panel.show_selected()
     assert panel.figures.text() == ""  # nothing is selected, and Enter would take nothing
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_X)
+    assert len(window.session.document.objects.items) == len(window.session.document.objects.rejected) == 1
     listed.select_items([listed.rows[-1].key])
     panel.show_selected()
     assert panel.figures.text().startswith("proposal · ")

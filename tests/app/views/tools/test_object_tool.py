@@ -848,6 +848,8 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
     take(hand)
     accepted = 3 if confidence > 0.7 else 2
     assert [item.category for item in taken(window)] == [3] * accepted
+    assert bool(window.workspace.object_list.selected_keys) == (accepted == 3), "what is left comes next"
+    window.workspace.object_list.select_objects(item.number for item in taken(window)[1:])
     hand.key(KEY.Key_Delete)
     hand.qtbot.wait(20)
     hand.wait(lambda: objects.idle)
