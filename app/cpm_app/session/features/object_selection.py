@@ -15,7 +15,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from cpm_app.model.document import objects
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.exchange.messages import CommandFailed, Report
-from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
+from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
@@ -94,7 +94,6 @@ class ObjectSelection(QObject):
         self._comparing = ENDED_TASK
         self._run, self._alike = 0, tuple[Proposal, ...]()
         """Objects that are similar to one, beside what a run proposes."""
-        self._parts = IdentityCache()
         self._selectors: dict[int, Selector] = {}
         self._selectors_source: PartitionSource | None = None
         self._seen: dict[int, Mapping[Clicks, Selection | None]] = {}
@@ -320,12 +319,8 @@ class ObjectSelection(QObject):
                 self._comparing = ENDED_TASK
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
-            last = min((each.key for each in (*self._found, *self._alike)), default=0)
-            made = (
-                Proposal(each, (Click(as_line(each.inside)),), key=last - at, category=example.category)
-                for at, each in enumerate(new, 1)
-            )
-            self._alike = (*self._alike, *made)
+            made = (Proposal(each, (Click(as_line(each.inside)),), category=example.category) for each in new)
+            self._offer(self._found, (*self._alike, *made))
             if self._session.scene.objects.selected == {number}:  # which would keep Enter from what was found
                 self._list.select_objects(())
             self._session.messages.show(tr("Objects like this one: {count}.", count=len(new)))
@@ -395,7 +390,14 @@ class ObjectSelection(QObject):
     @property
     def _offered(self) -> tuple[Proposal, ...]:
         """What was found last, and the other objects like one."""
-        return (*self._found, *self._parts.get(_leave_out, self._alike, self._found))
+        return (*self._found, *self._alike)
+
+    def _offer(self, found: Sequence[Proposal], alike: Sequence[Proposal]) -> None:
+        """Offer what was found, and then the objects like one that are not among it, each with a key."""
+        known = [each.proposed_object for each in found if alike and each.selection.has_boundary]
+        offered = (*found, *(each for each in alike if not is_covered(each.selection.region, known)))
+        numbered = tuple(each if each.key == ~at else replace(each, key=~at) for at, each in enumerate(offered))
+        self._found, self._alike = numbered[: len(found)], numbered[len(found) :]
 
     @property
     def _offers_run(self) -> bool:
@@ -468,8 +470,7 @@ class ObjectSelection(QObject):
 
     def _on_objects_found(self, partition: AnyPartition, found: Sequence[Proposal]) -> None:
         if self._searched is partition:
-            last = min((each.key for each in self._alike), default=0)
-            self._found = tuple(replace(each, key=last - at) for at, each in enumerate(found, 1))
+            self._offer(found, self._alike)
             self._is_searched = True
             if found and not (self.selecting or self._waiting):
                 self._list.select_objects(())  # an object accepted before would keep Enter from what was found
@@ -645,12 +646,6 @@ class ObjectSelection(QObject):
             self._waiting.clear()
         self.selector = self._answered = self._pointed = self._searched = None
         self._steps, self._run_ended, self._asked = 0, False, ()
-
-
-def _leave_out(offered: tuple[Proposal, ...], others: tuple[Proposal, ...]) -> tuple[Proposal, ...]:
-    """Leave out what others propose already."""
-    items = [each.proposed_object for each in others if offered and each.selection.has_boundary]
-    return tuple(each for each in offered if not is_covered(each.selection.region, items))
 
 
 def describe_no_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:
