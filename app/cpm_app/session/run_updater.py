@@ -72,10 +72,6 @@ class RunUpdater:
         self.sources_by_run.clear()
         self._run = 0
 
-    def find_first_document(self, run: int) -> Document | None:
-        """Return the document that a run has begun from, by its generation."""
-        return self._documents_by_run.get(run)
-
     @property
     def _current_sources(self) -> Counter[Hashable]:
         """The sources of the particles of the run that is shown."""
