@@ -136,11 +136,13 @@ class UndoHistory:
         what is forgotten: once it is repeated, it is one since the run began.
         """
         count = len(document.objects.deleted)
+        if not count:
+            return document
 
         def forget(one: Document) -> Document:
             return replace(one, objects=replace(one.objects, deleted=one.objects.deleted[count:]))
 
-        for changes in (self._undone, self._done) if count else ():
+        for changes in (self._undone, self._done):
             for at in reversed(range(len(changes))):
                 change = changes[at]
                 earlier = changes is self._done and change.place_before is not None and change.place_before.at_rest
