@@ -645,7 +645,7 @@ class Partition(drawing.Pictured):
         part = _select_connected(
             part, np.concatenate(held), find_crossings(self._find_barrier_paths(corner), part.shape).pixels
         )
-        mask[box] = _drop_fragments(part, ~free[box])
+        mask[box] = drop_fragments(part, ~free[box])
         return candidate._replace(region=Region.from_mask(mask))
 
     def complete_object(self, drawn: Mask, area: float) -> Mask:
@@ -703,7 +703,7 @@ class Partition(drawing.Pictured):
         mask = selection.mask & ~excluded
         if len(prompt.positive):
             mask = _select_connected(mask, prompt.positive)
-        mask = _drop_fragments(mask, excluded)
+        mask = drop_fragments(mask, excluded)
         left = self.build_selection(mask, selection.inside, selection.outside, selection.remark, selection.features)
         return replace(left, confidence=selection.confidence, model=selection.model) if left.has_boundary else left
 
@@ -811,7 +811,7 @@ def _select_connected(mask: Mask, pixels: Index, barred: Mask | None = None) -> 
     return held[parts]
 
 
-def _drop_fragments(mask: Mask, cut: Mask) -> Mask:
+def drop_fragments(mask: Mask, cut: Mask) -> Mask:
     """Drop small parts of a mask next to pixels cut from it, both of shape (H, W), where there are larger parts."""
     if not cut.any():
         return mask

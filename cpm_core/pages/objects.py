@@ -20,6 +20,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.grids import lie_inside, true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
 from cpm_core.objects import Partition, Selection, compute_iou
+from cpm_core.objects.partition import drop_fragments
 from cpm_core.pages.follow import PageFollower, describe_error
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import MIN_PART_FRACTION, MIN_TRACK_OVERLAP, Tracker, TrackEvent, find_origins
@@ -278,7 +279,7 @@ def _find_sought_objects(sought: Sequence[_SoughtObject], page: Partition, check
         return likely if sure is None else sure
 
     def add_selection(one: Mask) -> None:
-        left = one & ~taken
+        left = drop_fragments(one & ~taken, one & taken)
         if np.count_nonzero(left) > MIN_PART_FRACTION * np.count_nonzero(one):
             taken[left] = True
             sure = any(np.array_equal(left, each) for each in find_certain_near(left))

@@ -63,8 +63,7 @@ class RunUpdater:
         document = self._store.scene.document
         self._last_start_counts, self._last_shapes = document.start_counts, document.shapes
         for run, (first, sources) in begun.items():
-            known = first.objects.recognize_deleted(document.objects)
-            self._documents_by_run[run] = replace(first, image=document.image, objects=known)
+            self._documents_by_run[run] = replace(first, image=document.image)
             self.sources_by_run[run] = sources
 
     def clear(self) -> None:
@@ -72,10 +71,6 @@ class RunUpdater:
         self._documents_by_run.clear()
         self.sources_by_run.clear()
         self._run = 0
-
-    def find_first_document(self, run: int) -> Document | None:
-        """Return the document that a run has begun from, by its generation."""
-        return self._documents_by_run.get(run)
 
     @property
     def _current_sources(self) -> Counter[Hashable]:

@@ -57,7 +57,6 @@ from cpm_core import RUN_METHODS, Image, Parameters
 from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT_READING
 from cpm_core.numerics import Place
-from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Sphere
 
 _PREPARING_TEXT = tr("Preparing (takes longer the first time)…")
@@ -150,14 +149,6 @@ class Session(QObject):
     def document(self) -> Document:
         """The document of the scene."""
         return self.scene.document
-
-    @property
-    def dismissed_objects(self) -> tuple[SegmentedObject, ...]:
-        """Objects that are not proposed again: rejected ones, and those deleted since the shown run has begun."""
-        known = self.document.objects
-        shown = self.scene.snapshot
-        begun = None if shown is None else self.run_updater.find_first_document(shown.timeline.run_generation)
-        return known.rejected + (() if begun is None else known.find_deleted_since(begun.objects))
 
     @property
     def selected_shape(self) -> int | None:
@@ -529,6 +520,7 @@ class Session(QObject):
         status = self.status
         over = status.phase == "finished" and not (status.steered or status.unfinished)
         if status.phase == "ready" or over or status.stale:
+            self._set_document(self.history.forget_deleted(self.document))
             self.store.generation = self._next_generation()
             self.run_updater.begin_run(self.store.generation, self.document)
             self.store.clear_run(MODES[self.document.mode].method)

@@ -129,6 +129,29 @@ class UndoHistory:
                 ]  # fmt: skip
         return self
 
+    def forget_deleted(self, document: Document) -> Document:
+        """Return the document shown without what has been deleted, as a run begins; so is what undo and redo restore.
+
+        Where undo goes back to an earlier run, that stays as it was. A deletion that was undone before is not among
+        what is forgotten: once it is repeated, it is one since the run began.
+        """
+        count = len(document.objects.deleted)
+        if not count:
+            return document
+
+        def forget(one: Document) -> Document:
+            return replace(one, objects=replace(one.objects, deleted=one.objects.deleted[count:]))
+
+        for changes in (self._undone, self._done):
+            for at in reversed(range(len(changes))):
+                change = changes[at]
+                earlier = changes is self._done and change.place_before is not None and change.place_before.at_rest
+                before = change.before if earlier else forget(change.before)
+                changes[at] = replace(change, before=before, after=forget(change.after))
+                if earlier:
+                    break
+        return forget(document)
+
     def _move_last_change(
         self, source: list[Change], target: list[Change], note_place: Callable[[Change], Change]
     ) -> Change | None:

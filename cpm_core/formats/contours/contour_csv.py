@@ -226,9 +226,9 @@ def encode_page_vertices(found: StackResult) -> bytes:
     """Tabulate the vertices of the contours on all pages of a stack, one per row.
 
     Columns: ``page`` (from 1), ``time_s`` (since the first page, where the file states it), ``track`` (number that an
-    object keeps from page to page), ``parent`` (track that it split off), ``begin`` and ``end`` (how it comes into
-    being and to its end), and those of `encode_vertices` except ``contour``; ``label`` is the label in the label
-    stack: the track, or 0 when open.
+    object keeps from page to page), ``parent`` (track that it split off), ``begin`` (on its first page, how it comes
+    into being), ``end`` (on its last page, how it comes to its end), and those of `encode_vertices` except ``contour``;
+    ``label`` is the label in the label stack: the track, or 0 when open.
     """
     return encode_csv_rows(_build_page_rows(found, _build_vertex_rows), ("page", "track"))
 
@@ -260,8 +260,10 @@ def _build_page_rows(found: StackResult, build_rows: Callable[[Outcome], list[Ro
         for row in build_rows(result):
             number: Any = row.pop("contour")
             track = tracks[number]
-            end = "" if track.end is None else " into ".join(map(str, (track.end.kind, *track.end.others)))
-            life: Row = {"parent": track.origin or "", "begin": track.begin or "", "end": end}
+            begin, end = track.begin if page == track.pages[0] else None, ""
+            if track.end is not None and page == track.pages[-1]:
+                end = " into ".join(map(str, (track.end.kind, *track.end.others)))
+            life: Row = {"parent": track.origin or "", "begin": begin or "", "end": end}
             place: Row = {"page": page} | ({} if found.interval is None else {"time_s": found.time_of(page)})
             rows.append(place | {"track": number} | life | row | {"label": number if row["label"] else 0})
     return rows

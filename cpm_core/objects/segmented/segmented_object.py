@@ -221,7 +221,7 @@ class SegmentedObjects:
     may_overlap : bool
         Whether what is selected or painted may run over other objects, unless these are frozen.
     deleted : tuple of SegmentedObject
-        Deleted objects, which runs that began before, and stay on the timeline, do not propose again.
+        Objects deleted since the last run began, which are not proposed again until the next one begins.
 
     Raises
     ------
@@ -262,18 +262,10 @@ class SegmentedObjects:
         """A number that no object has."""
         return max((self.taken, *(item.number for item in self.items))) + 1
 
-    def find_deleted_since(self, begun: SegmentedObjects) -> tuple[SegmentedObject, ...]:
-        """Find the objects that have been deleted since a run has begun with others.
-
-        Each deletion is told by its own instance of the object, which may be deleted again after an undo.
-        """
-        before = set(map(id, begun.deleted))
-        return tuple(one for one in self.deleted if id(one) not in before)
-
-    def recognize_deleted(self, known: SegmentedObjects) -> SegmentedObjects:
-        """Take the instances of deleted objects from those that are known, for objects that were read from a file."""
-        left = list(known.deleted)
-        return replace(self, deleted=tuple(left.pop(left.index(one)) if one in left else one for one in self.deleted))
+    @property
+    def dismissed(self) -> tuple[SegmentedObject, ...]:
+        """The objects that are not proposed again."""
+        return self.rejected + self.deleted
 
     @property
     def barriers(self) -> tuple[Line | Region, ...]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from cpm_app.model.document import objects
@@ -92,16 +90,11 @@ def test_rejected_objects_are_kept_and_leave_no_gap_in_the_numbers(document) -> 
     assert objects.delete_objects(again, (2, 3)).objects.rejected == left.objects.rejected
 
 
-def test_objects_deleted_since_a_run_began_are_told_from_those_deleted_before_and_from_rejected_ones(document) -> None:
+def test_deleted_and_rejected_objects_are_dismissed_and_told_apart(document) -> None:
     first, second = document.objects.items
-    begun = objects.delete_objects(document, (1,))
-    assert begun.objects.find_deleted_since(document.objects) == (first,)
-    again = objects.delete_objects(objects.accept_objects(begun, (replace(first, number=1),)), (2,))
-    assert again.objects.find_deleted_since(begun.objects) == (second,)
-    twice = objects.delete_objects(again, [item.number for item in again.objects.items])
-    assert len(twice.objects.find_deleted_since(begun.objects)) == 2
-    assert objects.reject_objects(document, (1,), ()).objects.deleted == ()
-    assert objects.delete_objects(document, (1,)).objects.find_deleted_since(begun.objects) == (first,), "after an undo"
+    left = objects.reject_objects(objects.delete_objects(document, (1,)), (2,), ()).objects
+    assert (left.deleted, left.rejected) == ((first,), (second,))
+    assert left.dismissed == (second, first)
 
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:

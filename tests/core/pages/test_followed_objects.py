@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy
 
 import cpm_core as cpm
 from cpm_core.contours.rasterize import rasterize_labels
@@ -151,3 +152,10 @@ def test_an_object_between_the_centers_of_pixels_is_not_found_again_and_stops_no
         follower.remember_page(partition.values, {1: partition.select([disk[:2]]), 2: nothing})
     found, _ = follower.find_on_page(2, partition)
     assert [one.number for one in found] == [1]
+
+
+def test_two_disks_that_come_to_overlap_stay_whole_and_no_pixel_of_one_lies_apart():
+    found, _ = followed([[(32, 20 + 3 * step, 11), (36 + step // 2, 56 - 3 * step, 9)] for step in range(5)])
+    assert len(found[-1]) == 2
+    for one in found[-1].values():
+        assert scipy.ndimage.label(one.mask)[1] == 1

@@ -180,7 +180,7 @@ def delete_objects(document: Document, numbers: Iterable[int]) -> Document:
     """Delete objects."""
     gone, objects = frozenset(numbers), document.objects
     left = tuple(item for item in objects.items if item.number not in gone)
-    deleted = (*objects.deleted, *(replace(item) for item in objects.items if item.number in gone))
+    deleted = (*objects.deleted, *(item for item in objects.items if item.number in gone))
     over = {"clicks": (), "edited": 0} if objects.edited in gone else {}
     return _replace_objects(document, items=left, deleted=deleted, **over)
 

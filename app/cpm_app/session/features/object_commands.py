@@ -12,7 +12,7 @@ from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import paint_volume_object
 from cpm_app.model.text.keys import insert_keys
-from cpm_app.model.text.language import tr
+from cpm_app.model.text.language import localize_number, tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.contour_selection import ContourSelection
 from cpm_app.session.features.object_list import ObjectList
@@ -28,6 +28,7 @@ from cpm_core.objects.segmented import (
     split_painted_object,
     unite_objects,
 )
+from cpm_core.results.found_objects import MIN_LIKELY_CONFIDENCE
 from cpm_core.shapes import relative_sides
 
 Made = TypeVar("Made")
@@ -38,7 +39,11 @@ ObjectState = Literal["frozen", "hidden"]
 
 def describe_doubtful(count: int) -> str:
     """Describe what to do with a number of proposals all of which are doubtful."""
-    return tr("Only doubtful proposals: {count}. Select those to accept.", count=count)
+    least = localize_number(f"{100.0 * MIN_LIKELY_CONFIDENCE:.0f} %")
+    words = tr(
+        "Doubtful (below {least}): {count}. Click or {key:all_objects}, then Enter: accept · {key:reject}: reject"
+    )
+    return insert_keys(words, least=least, count=count)
 
 
 class ObjectCommands(QObject):
@@ -75,6 +80,7 @@ class ObjectCommands(QObject):
         self._accept_rows(tr("accept {what}"), rows, copied=copied)
         self._session.end_gesture()
         if len(rows) < len(offered):
+            self._list.select_objects(())  # else rejecting would be for what has just been accepted
             self._session.messages.show(describe_doubtful(len(offered) - len(rows)), category=EDITING_CATEGORY)
 
     def reject_selected(self) -> None:

@@ -15,7 +15,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from cpm_app.model.document import objects
 from cpm_app.model.text.language import localize_number, tr, translate_core_text
 from cpm_app.session.exchange.messages import CommandFailed, Report
-from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
+from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.followed_objects import FollowedObjects
 from cpm_app.session.features.object_commands import ObjectCommands
 from cpm_app.session.features.object_list import ObjectList
@@ -39,7 +39,7 @@ from cpm_core.numerics import Place
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.confidence import whole_percent
-from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects, selection_from_object
+from cpm_core.objects.segmented import Click, selection_from_object
 from cpm_core.objects.segmented.segmented_object import Clicks
 
 Made = TypeVar("Made")
@@ -92,9 +92,8 @@ class ObjectSelection(QObject):
         self._is_searched = False
         """Whether the search in the partition has ended."""
         self._comparing = ENDED_TASK
-        self._alike: tuple[Proposal, ...] = ()
-        """Objects that are similar to one, offered until others are found."""
-        self._objects_before_alike, self._parts = SegmentedObjects(), IdentityCache()
+        self._run, self._alike = 0, tuple[Proposal, ...]()
+        """Objects that are similar to one, beside what a run proposes."""
         self._selectors: dict[int, Selector] = {}
         self._selectors_source: PartitionSource | None = None
         self._seen: dict[int, Mapping[Clicks, Selection | None]] = {}
@@ -306,7 +305,7 @@ class ObjectSelection(QObject):
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
-        example, offered, there = known[number], self.proposals, (*known.items, *self._session.dismissed_objects)
+        example, offered, there = known[number], self.proposals, (*known.items, *known.dismissed)
 
         def find_new(task: BackgroundTask) -> list[Selection]:
             found = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
@@ -320,13 +319,8 @@ class ObjectSelection(QObject):
                 self._comparing = ENDED_TASK
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
-            kept = _leave_out(self._alike, known.find_deleted_since(self._objects_before_alike))
-            last = min((each.key for each in (*self._found, *kept)), default=0)
-            made = (
-                Proposal(each, (Click(as_line(each.inside)),), key=last - at, category=example.category)
-                for at, each in enumerate(new, 1)
-            )
-            self._alike, self._objects_before_alike = (*kept, *made), known
+            made = (Proposal(each, (Click(as_line(each.inside)),), category=example.category) for each in new)
+            self._offer(self._found, (*self._alike, *made))
             if self._session.scene.objects.selected == {number}:  # which would keep Enter from what was found
                 self._list.select_objects(())
             self._session.messages.show(tr("Objects like this one: {count}.", count=len(new)))
@@ -395,9 +389,15 @@ class ObjectSelection(QObject):
 
     @property
     def _offered(self) -> tuple[Proposal, ...]:
-        """What was found last, and the objects like one, unless deleted since."""
-        deleted = self._session.document.objects.find_deleted_since(self._objects_before_alike)
-        return (*self._found, *self._parts.get(_leave_out, self._alike, deleted))
+        """What was found last, and the other objects like one."""
+        return (*self._found, *self._alike)
+
+    def _offer(self, found: Sequence[Proposal], alike: Sequence[Proposal]) -> None:
+        """Offer what was found, and then the objects like one that are not among it, each with a key."""
+        known = [each.proposed_object for each in found if alike and each.selection.has_boundary]
+        offered = (*found, *(each for each in alike if not is_covered(each.selection.region, known)))
+        numbered = tuple(each if each.key == ~at else replace(each, key=~at) for at, each in enumerate(offered))
+        self._found, self._alike = numbered[: len(found)], numbered[len(found) :]
 
     @property
     def _offers_run(self) -> bool:
@@ -419,7 +419,10 @@ class ObjectSelection(QObject):
             self._request_answer()
 
     def _on_status_changed(self) -> None:
-        """Preview no click while particles move."""
+        """Preview no click while particles move; of objects like one, offer those alone that a run begins with."""
+        if self._session.store.generation != self._run:
+            self._run, keys = self._session.store.generation, {each.key for each in self.proposals}
+            self._alike = tuple(each for each in self._alike if each.key in keys)
         running = self._session.store.status.phase == "running"
         if running != self._was_running:
             self._was_running = running
@@ -443,13 +446,12 @@ class ObjectSelection(QObject):
             self._searched, self._found, self._is_searched = partition, (), False
             self._finding.cancel()
             found, known = partial(self._on_objects_found, partition), self._session.document.objects
-            there = (*known.items, *self._session.dismissed_objects)
+            there = (*known.items, *known.dismissed)
 
-            def find_and_number(task: BackgroundTask) -> tuple[Proposal, ...]:
-                new_first = sorted(find(task), key=lambda each: is_covered(each.selection.region, there))
-                return tuple(replace(each, key=~index) for index, each in enumerate(new_first))
+            def find_new_first(task: BackgroundTask) -> list[Proposal]:
+                return sorted(find(task), key=lambda each: is_covered(each.selection.region, there))
 
-            self._finding = self._start_finding(name, find_and_number, found)
+            self._finding = self._start_finding(name, find_new_first, found)
         return self._found
 
     def _start_finding(
@@ -468,7 +470,8 @@ class ObjectSelection(QObject):
 
     def _on_objects_found(self, partition: AnyPartition, found: Sequence[Proposal]) -> None:
         if self._searched is partition:
-            self._found, self._alike, self._is_searched = tuple(found), (), True
+            self._offer(found, self._alike)
+            self._is_searched = True
             if found and not (self.selecting or self._waiting):
                 self._list.select_objects(())  # an object accepted before would keep Enter from what was found
             self._request_answer()
@@ -478,7 +481,7 @@ class ObjectSelection(QObject):
         """Return the selector for the object of a number, or for a new one."""
         known = self._session.document.objects
         self._find_offered(partition)
-        found, rejected = self._offered, self._session.dismissed_objects
+        found, rejected = self._offered, known.dismissed
         made_of = partition, known.items, found, rejected, known.may_overlap
         if any(each.made_of != made_of for each in self._selectors.values()):
             source = self.partition_updater.source
@@ -643,11 +646,6 @@ class ObjectSelection(QObject):
             self._waiting.clear()
         self.selector = self._answered = self._pointed = self._searched = None
         self._steps, self._run_ended, self._asked = 0, False, ()
-
-
-def _leave_out(offered: tuple[Proposal, ...], items: Sequence[SegmentedObject]) -> tuple[Proposal, ...]:
-    """Leave out the proposals of some objects."""
-    return tuple(each for each in offered if not is_covered(each.selection.region, items))
 
 
 def describe_no_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:

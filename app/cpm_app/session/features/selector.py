@@ -466,5 +466,9 @@ def is_covered(region: Region, items: Sequence[SegmentedObject]) -> bool:
     """Tell whether objects, not counting much larger ones, cover half of a region or more."""
     pixels, most = np.argwhere(region.mask) + region.origin, _MUCH_LARGER * region.count
     places = pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)].astype(float)
-    within = [item.region.encloses(places) for item in items if item.region.size < most]
-    return bool(within) and bool(np.any(within, axis=0).mean() >= 0.5)
+    if not len(places):
+        return False
+    low, high = places.min(axis=0), places.max(axis=0)
+    others = (item.region for item in items if 0.0 < item.region.size < most)
+    near = [one for one in others if (one.bounds[0] <= high).all() and (one.bounds[1] >= low).all()]
+    return bool(near) and bool(np.any([one.encloses(places) for one in near], axis=0).mean() >= 0.5)

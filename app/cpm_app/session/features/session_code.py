@@ -80,7 +80,6 @@ def write_session_code(
     of the `saved` session, if there is one.
     """
     document, image, offered = session.document, session.image, session.scene.objects.proposals
-    gone = session.dismissed_objects
     known = KnownRuns.of_window(session, updater)
     session.messages.clear(EXPORTING_CATEGORY)
     if image is None:
@@ -90,11 +89,11 @@ def write_session_code(
         return ENDED_TASK
 
     def write(task: BackgroundTask) -> str:
-        code = _find_code(document, image, offered, bool(gone), "" if saved is None else str(saved), known, task)
-        text = "" if code is None else code.write_script() if language == "python" else code.write_command()
-        if text:
-            return text
-        if code is None and not document.objects.items:
+        write_code = SessionCode.write_script if language == "python" else SessionCode.write_command
+        code = _find_code(document, image, offered, write_code, "" if saved is None else str(saved), known, task)
+        if code is not None:
+            return write_code(code)
+        if not document.objects.items and (document.objects.clicks or document.objects.dismissed):
             raise ValueError(tr("Accept an object and save the session first: another run would not offer the same."))
         if saved is None:
             raise ValueError(tr("Save the session first: without its file this cannot be repeated."))
@@ -114,25 +113,27 @@ def _find_code(
     document: Document,
     image: Image,
     offered: Sequence[Proposal],
-    some_are_gone: bool,
+    write_code: Callable[[SessionCode], str],
     saved: str,
     known: KnownRuns,
     task: BackgroundTask,
 ) -> SessionCode | None:
-    """Find the run and the clicks that give the objects of a document; None if none that is tried gives them."""
+    """Find the run and the clicks that give the objects of a document; None if none that can be written gives them."""
     objects = document.objects
     items = [item for item in objects.items if item.number != objects.edited]
     shown = next((each for each in offered if each.clicks == objects.clicks), None)
     if shown is not None and shown.selection.has_boundary:  # the object that is being selected
         items.append(shown.proposed_object)
-    if some_are_gone and not items:  # of what the run proposes, what is left
+    if objects.dismissed and not items:  # of what the run proposes, what is left
         items = [each.proposed_object for each in offered]
         if not items:
             return None
     for session, file, of_run in _list_runs(document, saved):
+        bare = SessionCode(session, file=file)
+        writable = bool(write_code(bare))  # else only a saved session could say what was drawn
         if not items:
-            return SessionCode(session, file=file)
-        code = _match_objects(session, image, items, of_run, known, task)
+            return bare if writable else None
+        code = _match_objects(session, image, items, of_run, known, task) if writable else None
         if code is not None:
             return replace(code, file=file)
     return None
@@ -164,8 +165,8 @@ def _match_objects(
 ) -> SessionCode | None:
     """Match objects with what a run proposes, and with what their clicks select; None unless all are found again."""
     result, source = (known.result, known.partition) if of_run else (None, known.everywhere)
-    if not of_run and not all(item.clicks for item in items):
-        return None  # neither clicked, nor proposed by a run
+    if result is None and not all(item.clicks for item in items):
+        return None  # neither clicked, nor shown as found by a run: a run would most likely be in vain
     if source is None and result is None and select_starts(session.shapes):
         result = run(image, session, progress=lambda _: task.check_cancelled())
     proposed = result.objects if of_run and result is not None else ()

@@ -81,8 +81,6 @@ class StackPages(QObject):
         self._kept: dict[int, KeptPage] = {}
         self._found_pages: dict[int, Page] = {}
         self._proposed: dict[int, Page] = {}
-        self._objects_before: dict[int, SegmentedObjects] = {}
-        """The objects of each page as its run began."""
         self._given_starts: tuple[Start, ...] = ()
         self.table: StackTable = EMPTY_TABLE
         """What was found on all pages, with tracks, and the rows: the objects of a page, or else its contours."""
@@ -187,11 +185,11 @@ class StackPages(QObject):
             known = documents[number].objects if number in documents else SegmentedObjects()
             if known.items or page.result is None:
                 return False
-            gone = (*known.rejected, *known.find_deleted_since(self._objects_before.get(number, known)))
-            if not gone:
+            if not known.dismissed:
                 return bool(page.contours)
             tracks = paint_tracks(page.result, page.result.shape)
-            return any(not is_covered(Region.from_mask(tracks == one), gone) for one in np.unique(tracks[tracks > 0]))
+            found = (Region.from_mask(tracks == one) for one in np.unique(tracks[tracks > 0]))
+            return any(not is_covered(one, known.dismissed) for one in found)
 
         return any(offers(*each) for each in self._proposed.items())
 
@@ -368,14 +366,14 @@ class StackPages(QObject):
         if before is not None and (known is None or before.document != known.document) and before.has_own_start:
             return
         self._found_pages[number], self._proposed[number] = page, offered
-        self._objects_before[number] = done.document.objects
         self._link_soon()
         if not done.runs:
             return
         if before is not None:
-            done = replace(done, history=before.history, saved_document=before.saved_document)
             if before.document != done.document:  # so that undo restores the previous document
                 before.history.push(Change(tr("run all pages"), before.document, done.document))
+            document = before.history.forget_deleted(done.document)
+            done = replace(done, document=document, history=before.history, saved_document=before.saved_document)
         self._kept[number] = done
         if here and not self._turning and self._session.status.phase != "running":
             self._begin_page(number, done)
@@ -458,8 +456,7 @@ class StackPages(QObject):
         source = self.source = StackSource.from_file(str(opened.path), opened.parts, opened.reading, in_volume)
         self.number, self.following = source.page_number(opened.reading), source.kind != "channel"
         self.wanted_page = self.number
-        self._kept, self._found_pages, self._given_starts = {}, {}, ()
-        self._proposed, self._objects_before = {}, {}
+        self._kept, self._found_pages, self._proposed, self._given_starts = {}, {}, {}, ()
         self.table, self._linked, self._last_result, self._drawn = EMPTY_TABLE, {}, None, ()
         self._measured = IdentityCache()
         if opened.saved is not None and opened.saved.file.pages and self.count:

@@ -141,7 +141,7 @@ def _run_to_json(run: StoredRun) -> JsonDict:
         branches.append({**to_json(shown), "steps": alike, "figures": array_to_json(line.figures.rows)})
     document = run.document
     acting = document.objects.barriers or document.outlined.objects  # a run depends on objects only then
-    objects = document.objects if acting else SegmentedObjects(deleted=document.objects.deleted)
+    objects = document.objects if acting else SegmentedObjects()
     bare = replace(to_session_file(document, {}), image=None, objects=objects)
     return {
         "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},

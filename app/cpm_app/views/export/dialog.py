@@ -68,8 +68,8 @@ DEFAULT_FORMATS = [
 ]
 """Formats that are checked until the user checks others."""
 
-_UNASKED_KINDS = frozenset({"pages", "turntable", "run"})
-"""Kinds that hold more than what is shown, or take long: they are never written unasked."""
+_UNASKED_KINDS: frozenset[ExportKind] = frozenset({"pages", "turntable", "run"})
+"""Kinds that hold more than what is shown, or take long: they are not written unasked, but for objects on pages."""
 
 _UNCOUNTED_KINDS = frozenset({"pages", "measures", "space", "turntable", "run"})
 """Kinds that the summary only names, without counting their contents."""
@@ -94,6 +94,8 @@ class FormatList(QTreeWidget):
         Whether they are in a volume, and whether the image is from DICOM.
     only : str
         The kind of which alone formats are checked; empty for all.
+    unasked : frozenset of str
+        Kinds of which no formats are checked at first.
     """
 
     def __init__(
@@ -103,6 +105,7 @@ class FormatList(QTreeWidget):
         in_volume: bool,
         of_dicom: bool = False,
         only: ExportKind | None = None,
+        unasked: frozenset[ExportKind] = _UNASKED_KINDS,
     ) -> None:
         super().__init__()
         self._preferences, self._only = preferences, only
@@ -120,7 +123,7 @@ class FormatList(QTreeWidget):
             for suffix, name in list_export_formats(what, in_volume, of_dicom).items():
                 row = self.rows[what, suffix] = QTreeWidgetItem(group, [name])
                 row.setCheckState(0, Qt.CheckState.Unchecked)
-                if f"{what}:{suffix}" in checked and what in wanted and (only or what not in _UNASKED_KINDS):
+                if f"{what}:{suffix}" in checked and what in wanted and (only or what not in unasked):
                     row.setCheckState(0, Qt.CheckState.Checked)
                     group.setExpanded(True)
             if what == only:
@@ -147,6 +150,7 @@ class FormatList(QTreeWidget):
 class Exportable:
     """What can be exported besides the scene: selected objects and contours, finished pages, and the run.
 
+    Objects are `on_pages` if there are any on several pages.
     `visible_part` returns the part of the image that frames show. Files in `written_paths` have been exported before
     and are replaced without a question.
     """
@@ -154,6 +158,7 @@ class Exportable:
     objects: frozenset[int]
     contours: frozenset[int]
     page_count: int
+    on_pages: bool
     last_step: int
     has_space_view: bool
     visible_part: Callable[[], QRectF]
@@ -184,7 +189,9 @@ class ExportDialog(QDialog):
         self._volume = scene.slices is not None
         self._result = getattr(scene.reconstruction, "result", None)
         self.folder = files.find_starting_folder("export")
-        self.list = FormatList(preferences, self._count_items(), self._volume, image.hounsfield is not None, only)
+        unasked = _UNASKED_KINDS - ({"pages"} if exportable.on_pages else set())
+        of_dicom = image.hounsfield is not None
+        self.list = FormatList(preferences, self._count_items(), self._volume, of_dicom, only, unasked)
         self.list.setMinimumSize(_LIST_WIDTH, parent.height() // 3)
         self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
         self.units, self.space = QCheckBox(tr("Physical units ({unit})", unit=image.unit)), QComboBox()

@@ -88,6 +88,7 @@ class ExportFeature(Feature):
             self.session.scene.objects.selected,
             workspace.contour_selection.selected_indices,
             0 if pages is None else len(pages.results),
+            sum(map(has_objects_to_export, workspace.pages.documents.values())) > 1,
             navigation.last_step(navigation.current_step[0]) if has_particles(self.session.situation) else 0,
             space.panel.contents is not None,
             window.get_feature(AnimationFeature).visible_part,
@@ -201,6 +202,9 @@ class ClipboardFeature(Feature):
         updater = self.window.workspace.object_selection.partition_updater
         put = self._begin_copy(self._put_code_on_clipboard)
         self._copying = write_session_code(self.session, updater, language, saved, put)
+        if not self._copying.is_over:
+            words = tr("The clipboard stays as it was until the copy is ready.")
+            self.session.messages.show(words, category=EXPORTING_CATEGORY)
 
     def _put_code_on_clipboard(self, text: str) -> None:
         QApplication.clipboard().setText(text)

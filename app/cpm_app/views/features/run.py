@@ -182,7 +182,7 @@ class TasksFeature(Feature):
         """Create the actions and connect them to what they depend on."""
         tasks = self.session.tasks
         self.bar = TaskBar(tasks)
-        self.window.statusBar().addPermanentWidget(self.bar)
+        self.window.statusBar().insertPermanentWidget(0, self.bar)
         self.actions = (
             ActionSpec("cancel_task", "Run", "Cancel background &task", "Cancel the task shown in the status bar.",
                        self.bar.cancel, "Ctrl+.", gap=True,

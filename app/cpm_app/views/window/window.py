@@ -168,10 +168,10 @@ class MainWindow(QMainWindow):
         self.context_menus = self._add_menus(specs)
         self.addToolBar(ToolBar(self.actions_by_name, self.speed))
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, ToolPalette(self.actions_by_name))
-        self.pointer_readout = PointerReadout(session, canvas)
-        self.zoom_readout = ZoomReadout(canvas)
-        for field in (self.pointer_readout, self.zoom_readout):
-            self.statusBar().addPermanentWidget(field)
+        self.pointer_readout, self.zoom_readout = PointerReadout(session, canvas), ZoomReadout(canvas)
+        # first what comes and goes, so that it moves no button
+        self.statusBar().insertPermanentWidget(0, self.pointer_readout)
+        self.statusBar().addPermanentWidget(self.zoom_readout)
         session.store.status_changed.connect(self._on_status_changed)
         session.image_changed.connect(self._on_image_changed)
         self.canvas_area.tool_changed.connect(self._on_tool_changed)

@@ -18,7 +18,7 @@ from PySide6.QtCore import QPointF, Qt
 import cpm_core as cpm
 from cpm_core.cli import main
 from cpm_core.shapes import Everywhere
-from tests.app.exporting import export
+from tests.app.exporting import asked, export
 from tests.app.reading import column_texts
 
 pytestmark = pytest.mark.shared_window
@@ -252,6 +252,9 @@ def test_a_division_is_reported_with_its_page_and_the_table_and_files_hold_the_n
     assert all(float(gray) == pytest.approx(190.0, abs=20.0) for gray in column_texts(table, "gray")), column_texts(
         table, "gray"
     )
+    dialog = asked(hand.qtbot, window)
+    assert ("pages", ".measures.csv") in dialog.list.checked_formats
+    dialog.reject()
     labels, rows = export(hand.qtbot, window, tmp_path, "pages:.tif", "pages:.measures.csv")
     hand.wait(lambda: labels.exists() and rows.exists())
     assert [sorted(np.unique(one)) for one in tifffile.imread(labels)] == [[0, 1], [0, 1], [0, 1, 2], [0, 1, 2]]

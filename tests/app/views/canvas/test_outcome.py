@@ -150,6 +150,9 @@ def test_objects_that_are_being_found_are_not_said_to_be_missing(ready, hand, mo
     hand.wait(lambda: panel.summary.text() == "1 proposal")
 
 
+DOUBTFUL = "Doubtful (below 70 %): 1. Click or Ctrl+A, then Enter: accept · X: reject"
+
+
 def make_unlikely(monkeypatch) -> None:
     """Let nothing that a run finds be likely."""
 
@@ -170,13 +173,14 @@ def test_enter_accepts_an_unlikely_object_only_once_it_is_selected(window, hand,
     make_unlikely(monkeypatch)
     window.actions_by_name["start_grid"].trigger()
     said = end_run(window, hand)
-    assert said == "Only doubtful proposals: 1. Select those to accept."
+    assert said == DOUBTFUL
     with hand.qtbot.waitSignal(window.session.messages.shown) as shown:
         hand.key(KEY.Key_Return)
     assert shown.args[0] == said
     assert not window.session.document.objects.items
     (row,) = window.workspace.object_list.rows
-    window.workspace.object_list.select_items([row.key])
+    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
+    assert window.workspace.object_list.selected_keys == {row.key}
     hand.key(KEY.Key_Return)
     assert [item.confidence for item in window.session.document.objects.items] == [0.06]
 
@@ -196,13 +200,16 @@ def test_what_enter_leaves_is_not_said_to_be_all_that_was_found(window, hand, mo
     with hand.qtbot.waitSignal(window.session.messages.shown) as shown:
         hand.key(KEY.Key_Return)
     assert len(window.session.document.objects.items) == 1
-    assert shown.args[0] == "Only doubtful proposals: 1. Select those to accept."
+    assert shown.args[0] == DOUBTFUL
     listed, panel = window.workspace.object_list, window.panels["objects"]
-    listed.select_items(())
+    assert not listed.selected_keys
     assert window.canvas_area.hint.text() == shown.args[0]
     window.docks.reveal_panel("objects")
     panel.show_selected()
     assert panel.figures.text() == ""  # nothing is selected, and Enter would take nothing
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_X)
+    assert len(window.session.document.objects.items) == len(window.session.document.objects.rejected) == 1
     listed.select_items([listed.rows[-1].key])
     panel.show_selected()
     assert panel.figures.text().startswith("proposal · ")

@@ -264,6 +264,36 @@ def test_an_object_without_clicks_is_found_again_among_those_of_the_run(ready, h
     check_both(hand, tmp_path, (shown,))
 
 
+def test_that_what_was_drawn_by_hand_needs_a_saved_session_is_known_without_a_run(ready, hand, monkeypatch) -> None:
+    repeated = []
+    monkeypatch.setattr(session_code, "run", lambda *given, **named: repeated.append(1))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_J)
+    hand.drag((30, 20), (30, 30))
+    hand.wait(lambda: bool(ready.session.document.objects.items))
+    for action in ("copy_python", "copy_command"):
+        assert copied(hand, action) == ""
+    assert not repeated
+
+
+def test_it_is_said_at_once_that_the_clipboard_stays_as_it_was_and_then_that_the_copy_is_ready(
+    ready, hand, monkeypatch
+) -> None:
+    clipboard, messages, go_on, find = (
+        QApplication.clipboard(), ready.canvas_area.messages, threading.Event(), session_code._find_code
+    )  # fmt: skip
+    monkeypatch.setattr(session_code, "_find_code", lambda *given: (go_on.wait(), find(*given))[1])
+    clipboard.setText("old")
+    ready.actions_by_name["copy_python"].trigger()
+    try:
+        assert messages.text == "The clipboard stays as it was until the copy is ready."
+        assert clipboard.text() == "old"
+    finally:
+        go_on.set()
+    hand.wait(lambda: messages.text == "Copied: paste it into a file or a terminal.")
+    assert "import" in clipboard.text()
+
+
 def test_what_was_drawn_by_hand_is_taken_from_the_saved_session(window, hand, tmp_path) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_J)

@@ -141,3 +141,16 @@ def test_where_saving_fails_the_image_stays(window, hand, folder, monkeypatch) -
     hand.key(*NEXT)
     hand.wait(lambda: "none" in window.canvas_area.messages.text)
     assert name(window) == "hand1.npy"
+
+
+def test_the_buttons_of_the_folder_stay_where_they_are_while_the_pointer_is_over_the_image(
+    window, hand, folder
+) -> None:
+    open_image(window, hand, folder / "hand1.npy")
+    forward, places = window.get_feature(FolderFeature).bar.forward, set()
+    for at in ((10.0, 10.0), None):
+        window.pointer_readout._on_place_changed(at)
+        hand.qtbot.wait(20)
+        assert bool(window.pointer_readout.text()) == (at is not None)
+        places.add(forward.mapTo(window, forward.rect().center()).toTuple())
+    assert len(places) == 1

@@ -786,7 +786,8 @@ def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_aga
     assert window.canvas_area.messages.text == "No other object like this one was found."
 
 
-def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path) -> None:
+@pytest.mark.parametrize("repeated", [False, True], ids=["once", "repeated after another run"])
+def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path, repeated) -> None:
     run_everywhere(hand)
     take(hand)
     hand.wait(lambda: objects.idle and len(taken(window)) == 2)
@@ -794,6 +795,14 @@ def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, ob
     hand.canvas.setFocus()
     hand.key(KEY.Key_Delete)
     hand.wait(lambda: objects.idle and len(taken(window)) == 1)
+    if repeated:
+        hand.key(KEY.Key_Z, CONTROL)
+        hand.wait(lambda: objects.idle and len(taken(window)) == 2)
+        hand.key(KEY.Key_Space)
+        hand.wait_for_phase("finished")
+        hand.key(KEY.Key_Z, CONTROL | SHIFT)
+        hand.wait(lambda: window.session.idle and objects.offer_is_known and objects.idle)
+        assert (len(taken(window)), objects.proposals) == (1, ())
     assert window.document_file.save_and_wait(tmp_path / "deleted.cpm")
     with hand.qtbot.waitSignal(window.session.image_changed):
         window.session.open_file(tmp_path / "deleted.cpm")
@@ -839,6 +848,8 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
     take(hand)
     accepted = 3 if confidence > 0.7 else 2
     assert [item.category for item in taken(window)] == [3] * accepted
+    assert bool(window.workspace.object_list.selected_keys) == (accepted == 3), "what is left comes next"
+    window.workspace.object_list.select_objects(item.number for item in taken(window)[1:])
     hand.key(KEY.Key_Delete)
     hand.qtbot.wait(20)
     hand.wait(lambda: objects.idle)
@@ -880,6 +891,38 @@ def test_all_like_an_object_come_after_what_a_run_proposes_and_enter_right_after
     take(hand)
     may_find.set()
     hand.wait(lambda: objects.idle and len(taken(window)) == 3)
+
+
+def test_objects_like_one_found_before_a_run_ends_stay_beside_what_it_proposes_each_once(
+    window, hand, objects, monkeypatch
+) -> None:
+    corner = (5.0, 58.0), 3.0
+
+    def find_two(cut, like):
+        found = (cut.build_selection(disk(*where), np.array([where[0]])) for where in (corner, LARGE))
+        return like[0], *(replace(each, confidence=0.9) for each in found)
+
+    monkeypatch.setattr(object_selection, "select_all", find_two)
+    click(hand, *SMALL[0])
+    take(hand)
+    window.actions_by_name["start_grid"].trigger()
+    hand.key(KEY.Key_Period)
+    hand.wait_for_phase("paused")
+    window.workspace.object_list.select_objects((1,))
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: objects.idle and objects.offer_is_known)
+    for place, _ in (corner, LARGE):
+        assert sum(each.selection.contains(np.array([place]))[0] for each in objects.proposals) == 1
+    assert [each.key for each in objects.proposals] == [-1, -2], "what is seen is numbered from 1"
+    window.workspace.object_list.select_objects(each.key for each in objects.proposals if each.category)
+    take(hand)
+    hand.key(KEY.Key_Delete)  # what was accepted of them and deleted is for the run alone to propose again
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: objects.idle and objects.offer_is_known and len(objects.proposals) == 1)
 
 
 def test_what_the_user_has_turned_to_and_what_is_proposed_stay_when_objects_like_one_are_found(
