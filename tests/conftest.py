@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -62,10 +62,15 @@ def pytest_sessionstart(session: pytest.Session) -> None:
             assert process.wait() == 0
 
 
-def pytest_collection_finish() -> None:
-    """Leave modules and collected tests, which stay to the end, out of every later collection of garbage."""
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None]:
+    """Leave modules and collected tests, which stay to the end, out of every collection of garbage."""
+    gc.disable()
+    collected = yield
     gc.collect()
     gc.freeze()
+    gc.enable()
+    return collected
 
 
 @pytest.fixture(scope="session")

@@ -59,6 +59,14 @@ def rasterize_labels(contours: Sequence[Contour], shape: Extent) -> Labels:
     return mask
 
 
+def fill_polygon(points: Array, shape: Extent) -> Mask:
+    """Find the pixels, shape `shape`, whose centers lie inside a polygon, shape (K, 2), or on its edges."""
+    mask = np.zeros(shape, bool)
+    for _, row, first, end in _scan_rows([points], shape):
+        mask[row, first:end] = True
+    return mask
+
+
 def _scan_rows(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     """Find the pixels inside polygons or on their edges, as runs: the polygon, in order, row, first column and end."""
     if not polygons:

@@ -16,6 +16,7 @@ import scipy
 import skimage
 
 from cpm_core.contours.faces import find_faces
+from cpm_core.contours.rasterize import fill_polygon
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import Window, expand_window, first_pixel
 from cpm_core.numerics.types import Array, Mask, record
@@ -234,8 +235,7 @@ def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[Region]:
         return
     mask = np.zeros(end - corner, bool)
     for number, ring in enumerate(rings):
-        rows, cols = (ring - corner).T
-        mask[skimage.draw.polygon(rows, cols, mask.shape)] = number == 0  # type: ignore[no-untyped-call]
+        mask[fill_polygon(ring - corner, mask.shape)] = number == 0
     mask &= interest[tuple(map(slice, corner.tolist(), end.tolist()))]
     if mask.any():
         yield Region.from_mask(mask, corner)

@@ -198,6 +198,12 @@ def rests_are_short(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture(autouse=True)
+def nothing_is_selected_in_advance(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No selection is made only to have the first click answered sooner; tests outside of this folder do so."""
+    monkeypatch.setattr(selector, "_precompute_selection", lambda made: made)
+
+
+@pytest.fixture(autouse=True)
 def own_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No test reads or writes the user's pictures of recent work."""
     monkeypatch.setattr(files, "thumbnails_folder", lambda: tmp_path / "pictures of work")

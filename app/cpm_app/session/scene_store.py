@@ -161,7 +161,8 @@ class SceneStore(QObject):
     @property
     def status(self) -> RunStatus:
         """State of the run."""
-        return replace(self._run_status, busy=next(iter(self._busy.values()), ""))
+        busy = next(iter(self._busy.values()), "")
+        return replace(self._run_status, busy=busy) if busy else self._run_status
 
     def set_busy(self, activity: str, text: str) -> None:
         """Show `text` while an activity is in progress."""

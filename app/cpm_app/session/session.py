@@ -165,7 +165,7 @@ class Session(QObject):
         steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
         if status.phase == "empty" and self.opening_name:
             return replace(status, busy=self.opening_name)
-        return replace(status, stale=stale, steered=steered)
+        return replace(status, stale=stale, steered=steered) if stale or steered else status
 
     @property
     def situation(self) -> Situation:

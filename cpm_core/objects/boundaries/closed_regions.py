@@ -12,9 +12,9 @@ from typing import Literal
 
 import numpy as np
 import scipy
-import skimage
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.rasterize import fill_polygon
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate_field
 from cpm_core.field.start_area.drawn_area import MIN_DRAWN_PLACES, drawn_area
@@ -175,9 +175,7 @@ class ClosedRegions:
             elif region.measure_fraction_inside(pixels) > _MAJORITY_SHARE:
                 yield self._paste_mask(region)
         for index in sorted(unsure, key=lambda index: -self._contours[index].strength):
-            mask = np.zeros(self._values.shape, bool)
-            rows, cols = self._contours[index].points.T
-            mask[skimage.draw.polygon(rows, cols, mask.shape)] = True  # type: ignore[no-untyped-call]
+            mask = fill_polygon(self._contours[index].points, self._values.shape)
             if mask[tuple(pixels.T)].mean() > _MAJORITY_SHARE:
                 yield mask
 
@@ -303,9 +301,7 @@ class ClosedRegions:
         high = np.minimum(np.ceil(contour.box[1]).astype(int) + margin + 1, self._values.shape)
         box = slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1]))
         strength, values = self._edge_strength[box], self._values[box]
-        filled, off = np.zeros(strength.shape, bool), np.ones(strength.shape, bool)
-        rows, cols = (contour.points - low).T
-        filled[skimage.draw.polygon(rows, cols, filled.shape)] = True  # type: ignore[no-untyped-call]
+        filled, off = fill_polygon(contour.points - low, strength.shape), np.ones(strength.shape, bool)
         off[_rasterize_contour(contour, low, off.shape)] = False
         at_contour = scipy.ndimage.distance_transform_edt(off) <= OWN_EDGE_DISTANCE
         if not (at_contour & filled).any() or not (at_contour & ~filled).any():

@@ -87,7 +87,7 @@ def server():
     with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as made:
         made.asked, made.expired, made.marks, made.boxes = [], False, [], []
         made.address = f"http://127.0.0.1:{made.server_address[1]}"
-        thread = threading.Thread(target=made.serve_forever)
+        thread = threading.Thread(target=made.serve_forever, args=(0.01,))
         thread.start()
         yield made
         made.shutdown()

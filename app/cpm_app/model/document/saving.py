@@ -50,8 +50,10 @@ def describe_changes(document: Document, known: Document | None) -> Texts:
 
     Objects are counted. Without a known document, as after a crash, everything differs.
     """
-    alike = known is not None and switch_mode(document, "shape") == switch_mode(known, "shape")
-    if alike and document in (known, switch_mode(document, document.mode)):
+    if document == known:  # as it mostly is, and the rest takes longer
+        return ()
+    begun = document == switch_mode(document, document.mode)
+    if known and begun and switch_mode(document, "shape") == switch_mode(known, "shape"):
         return ()
     before = known or Document(document.image, parameters=document.parameters, mode=document.mode)
     saved = {item.number: item for item in before.objects.items}

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import cast
 
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from cpm_app.model.document.document import Document
+from cpm_app.model.document.document import Document, Mode
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.document.objects import initial_clicks
 from cpm_app.model.text.language import tr
@@ -224,7 +224,12 @@ def partition_from_everywhere(source: EverywhereRun, task: BackgroundTask, model
 
 def parameters_everywhere(document: Document) -> Parameters:
     """Return the parameters of a run from everywhere: those of a partition, with the user's changes to the preset."""
-    preset, current = PRESETS[MODES[document.mode].preset], document.parameters
+    return _merge_into_everywhere(document.mode, document.parameters)
+
+
+@lru_cache(maxsize=8)  # asked for with each scene
+def _merge_into_everywhere(mode: Mode, current: Parameters) -> Parameters:
+    preset = PRESETS[MODES[mode].preset]
     changed = {
         field.name: getattr(current, field.name)
         for field in fields(Parameters)

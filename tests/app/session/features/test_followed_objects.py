@@ -367,7 +367,7 @@ def propose_two(window, hand) -> None:
     hand.wait(lambda: selection.offer_is_known and selection.idle and len(selection.proposals) == 2)
 
 
-@pytest.mark.parametrize("saved", ["kept", "open", "other"])
+@pytest.mark.parametrize("saved", ["kept", pytest.param("open", marks=pytest.mark.long), "other"])
 def test_a_deleted_object_is_proposed_again_by_another_run_alone_whatever_is_opened_between(
     stack, hand, tmp_path, saved
 ):

@@ -55,8 +55,8 @@ def copied(hand, action: str) -> str:
     return clipboard.text()
 
 
-def check_both(hand, tmp_path: Path, shown) -> None:
-    """Run the script and the command, and compare what they find with what the window shows."""
+def check_both(hand, tmp_path: Path, shown) -> str:
+    """Run the script and the command, compare what they find with what the window shows, and return the command."""
     found: dict[str, object] = {}
     exec(copied(hand, "copy_python"), found)
     objects = found["objects"]
@@ -64,7 +64,8 @@ def check_both(hand, tmp_path: Path, shown) -> None:
     for one, other in zip(objects, shown, strict=True):
         np.testing.assert_array_equal(one.mask, other.mask)
         assert one.region == other.region
-    words = shlex.split(copied(hand, "copy_command"))
+    command = copied(hand, "copy_command")
+    words = shlex.split(command)
     masks, lines = tmp_path / "masks.tif", [tmp_path / "command.csv", tmp_path / "window.csv"]
     assert cli.main([*words[1 : words.index("--export")], "--export", str(masks), str(lines[0])]) == 0
     labels = np.asarray(PIL.Image.open(masks))
@@ -75,6 +76,7 @@ def check_both(hand, tmp_path: Path, shown) -> None:
     assert [contour.points.tolist() for contour in cpm.load_contours(lines[0])] == [
         contour.points.tolist() for contour in cpm.load_contours(lines[1])
     ]
+    return command
 
 
 def test_a_run_with_its_start_limits_and_sliders_is_repeated(ready, hand, tmp_path) -> None:
@@ -120,8 +122,7 @@ def test_objects_that_were_picked_of_those_of_a_run_and_one_of_another_size_are_
     ready.actions_by_name["delete_object"].trigger()
     hand.wait(lambda: selection.idle and len(session.document.objects.items) == 2)
     gone = shown.pop(index)
-    assert f"--pick {('2,3', '1,3', '1,2')[index]} " in copied(hand, "copy_command")
-    check_both(hand, tmp_path, tuple(shown))
+    assert f"--pick {('2,3', '1,3', '1,2')[index]} " in check_both(hand, tmp_path, tuple(shown))
 
     hand.canvas.setFocus()
     hand.key(KEY.Key_W)
@@ -131,8 +132,7 @@ def test_objects_that_were_picked_of_those_of_a_run_and_one_of_another_size_are_
     hand.key(KEY.Key_BracketRight)
     hand.wait(lambda: selection.idle and selection.proposals[0].selection.size > plain.size)
     shown.append(selection.proposals[0].selection)
-    assert "--larger 1" in copied(hand, "copy_command")
-    check_both(hand, tmp_path, tuple(shown))
+    assert "--larger 1" in check_both(hand, tmp_path, tuple(shown))
 
 
 def test_a_run_that_the_window_shows_is_not_repeated(ready, hand, tmp_path, monkeypatch) -> None:

@@ -99,15 +99,16 @@ def test_a_click_in_one_of_bodies_that_touch_selects_what_the_run_proposes_there
     assert not whole.mask[9, 10, int(apart[2])]
 
 
+@pytest.mark.parametrize("columns", [COLUMNS[2:], pytest.param(COLUMNS[:0:-1], marks=pytest.mark.long)])
 def test_bodies_that_were_clicked_are_found_again_by_the_script_and_by_the_command(
-    volume, hand: Hand, tmp_path: Path
+    volume, hand: Hand, tmp_path: Path, columns: tuple[float, ...]
 ) -> None:
     selection, shown = volume.workspace.object_selection, []
     hand.canvas.setFocus()
     hand.key(Qt.Key.Key_W)
     hand.wait(lambda: selection.ready and selection.idle)
     volume.workspace.slices.go_through((9.0, 10.0, COLUMNS[2]))
-    for column in COLUMNS[:0:-1]:
+    for column in columns:
         hand.click(10.0, column)
         hand.wait(lambda: selection.idle and selection.answered)
         shown.append(selection.proposals[0].selection)
@@ -129,4 +130,4 @@ def test_bodies_that_were_clicked_are_found_again_by_the_script_and_by_the_comma
     cpm.export(cpm.objects_result(shown), tmp_path / "window.tif")
     labels = [cpm.load_volume(tmp_path / name).values for name in ("command.tif", "window.tif")]
     np.testing.assert_array_equal(*labels)
-    assert labels[0].max() == 2
+    assert labels[0].max() == len(columns)
