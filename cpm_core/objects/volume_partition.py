@@ -38,7 +38,7 @@ from cpm_core.numerics.grids import (
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE, find_meant_body, rate_body
-from cpm_core.objects.boundaries.background import lies_in_background
+from cpm_core.objects.boundaries.background import find_body_with_slit, lies_in_background
 from cpm_core.objects.boundaries.inner_parts import find_inner_parts
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
 from cpm_core.objects.prior.body_corrections import find_changes_near
@@ -198,16 +198,18 @@ class VolumePartition:
 
     @cached_property
     def _parts(self) -> tuple[tuple[ConnectedParts, Index], ...]:
-        """Parts of voxels inside the surface, and of those outside it, with the number of the body of each part."""
+        """Parts of voxels inside the surface, and of those outside it, with the number of the body of each part.
+
+        A slit has that of the body around it.
+        """
         inside = voxelize_surface(self.surface, self.shape)
-        found = []
-        count = 0
-        for part, corners in ((inside, True), (~inside, False)):
-            parts = find_connected_parts(part, corners=corners)
-            enclosed = np.ones(parts.count, bool) if corners else ~parts.at_border
-            found.append((parts, np.where(enclosed, count + np.cumsum(enclosed), 0)))
-            count += int(enclosed.sum())
-        return tuple(found)
+        solid, rest = (find_connected_parts(part, corners=part is inside) for part in (inside, ~inside))
+        slit_of = np.zeros(rest.count, np.int64)
+        for each in np.flatnonzero(~rest.at_border).tolist():
+            slit_of[each] = find_body_with_slit(self.values, rest.labels == each + 1, solid.labels)
+        hollow = ~rest.at_border & (slit_of == 0)
+        numbers = np.arange(1, solid.count + 1)
+        return (solid, numbers), (rest, np.where(hollow, solid.count + np.cumsum(hollow), slit_of))
 
     @property
     def solid_bodies(self) -> Index:

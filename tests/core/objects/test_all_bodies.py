@@ -114,6 +114,17 @@ def test_no_wall_is_found_beyond_the_edge_of_what_is_brighter_within_something_b
         assert compute_iou(body.mask, (away >= 9.0) & (away < 24.0)) > 0.9
 
 
+@pytest.mark.parametrize("rise", [30.0, 80.0])
+def test_what_lies_between_an_organ_and_a_wall_around_it_without_an_edge_belongs_to_the_body(rise):
+    places = np.moveaxis(np.indices((40, 44, 48)), 0, -1) - np.array([20.0, 22.0, 23.0])
+    body, organ = np.linalg.norm(places, axis=-1) < 17.0, np.linalg.norm(places - [2.0, -6.0, 4.0], axis=-1) < 6.0
+    values = np.random.default_rng(1).normal(np.select([organ, body], [90.0 + rise, 90.0], 10.0), 5.0)
+    found = cpm.segment(values, cpm.seeds_everywhere(values), cpm.PRESETS["volume"]).objects
+    inner, rest = sorted((one.mask for one in found), key=np.count_nonzero)
+    assert compute_iou(inner, organ) > 0.9
+    assert compute_iou(rest, body & ~organ) > 0.98
+
+
 @pytest.mark.parametrize("rise", [60.0, 200.0])
 def test_a_small_part_of_a_body_ends_at_its_edge_however_much_it_differs(rise):
     places = np.moveaxis(np.indices((40, 40, 40)), 0, -1)
