@@ -11,7 +11,12 @@ from cpm_core.image.region import Region
 from cpm_core.objects import compute_iou
 from cpm_core.objects.boundaries.inner_parts import find_inner_parts
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
-from cpm_core.objects.confidence import BodyFeatures, estimate_body_confidence
+from cpm_core.objects.confidence import (
+    BodyFeatures,
+    InnerFeatures,
+    estimate_body_confidence,
+    estimate_inner_confidence,
+)
 from tests.benchmarks.prior.bodies import scan
 
 SHAPE = (30, 36, 66)
@@ -65,6 +70,17 @@ def test_a_steady_convex_body_is_likelier_than_a_ragged_speck():
     sure, doubtful = BodyFeatures(4.0, 0.94, 3000.0, 0.0), BodyFeatures(0.8, 0.6, 40.0, 0.0)
     assert estimate_body_confidence(sure) > 0.8
     assert estimate_body_confidence(doubtful) < 0.4
+
+
+def test_a_round_inner_part_with_a_sharp_edge_is_likelier_than_a_ragged_blurred_or_uneven_one():
+    sure = InnerFeatures(contrast=25.0, sharpness=0.9, unevenness=1.0, volume=500.0, sphericity=0.93)
+    assert estimate_inner_confidence(sure) > 0.8
+    for doubtful in (
+        sure._replace(contrast=8.0, sphericity=0.6),
+        sure._replace(contrast=8.0, sharpness=0.4),
+        sure._replace(contrast=8.0, unevenness=3.0),
+    ):
+        assert estimate_inner_confidence(doubtful) < 0.5
 
 
 def test_bodies_like_one_are_found_with_or_without_a_run_and_none_is_found_twice():
