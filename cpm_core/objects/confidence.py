@@ -1,10 +1,11 @@
 """Confidence: the probability that an object is the intended one, estimated from a few features.
 
 The estimate is a logistic regression, with weights of their own for objects that a prompt selects, for those that are
-found everywhere, and for bodies of volumes; a score of the same kind tells which of several bodies a click means.
-`sure.py`, `found.py`, `sure_bodies.py` and `meant_bodies.py` in `tests/benchmarks/prior` learn the weights from objects
-that are used for nothing else, neither training nor measurements, and write them with their origin to
-`confidence.json`, `confidence_everywhere.json` and `confidence_bodies.json`.
+found everywhere, for bodies of volumes and for what lies in them; a score of the same kind tells which of several
+bodies a click means. `sure.py`, `found.py`, `sure_bodies.py`, `sure_inner_parts.py` and `meant_bodies.py` in
+`tests/benchmarks/prior` learn the weights from objects that are used for nothing else, neither training nor
+measurements, and write them with their origin to `confidence.json`, `confidence_everywhere.json` and
+`confidence_bodies.json`.
 """
 
 from __future__ import annotations
@@ -30,6 +31,15 @@ LARGE_AREA = 1100.0
 
 LARGE_VOLUME = 1000.0
 """Volume above which a larger one makes no difference [voxels]."""
+
+_LARGE_CONTRAST = 60.0
+"""Contrast above which a larger one makes no difference [standard deviations of smoothed gray levels]."""
+
+_MAX_SHARPNESS = 1.5
+"""Sharpness above which a larger one makes no difference."""
+
+_LARGE_UNEVENNESS = 5.0
+"""Unevenness above which a larger one makes no difference."""
 
 ROUND = 0.65
 """Sphericity above which a larger one makes no difference, as noise roughens surfaces."""
@@ -134,6 +144,30 @@ class BodyFeatures(NamedTuple):
     cut_share: float
 
 
+class InnerFeatures(NamedTuple):
+    """Features of what lies in a body of a volume that the probability of its being an object is estimated from.
+
+    Attributes
+    ----------
+    contrast : float
+        Difference of its gray level from those around it, in standard deviations of these once smoothed.
+    sharpness : float
+        By how much gray levels rise across its surface, in this difference.
+    unevenness : float
+        Standard deviation of its gray levels, in that of those around it.
+    volume : float
+        Number of its voxels.
+    sphericity : float
+        The area of a ball of its volume, in areas of its surface.
+    """
+
+    contrast: float
+    sharpness: float
+    unevenness: float
+    volume: float
+    sphericity: float
+
+
 class ChoiceFeatures(NamedTuple):
     """Features of a body around a click that tell whether it is meant, rather than others there.
 
@@ -207,6 +241,25 @@ def encode_body(features: BodyFeatures) -> Array:
 def estimate_body_confidence(features: BodyFeatures) -> float:
     """Estimate the probability that a body of a volume is an object."""
     return _estimate_probability("confidence_bodies.json", encode_body(features))
+
+
+def encode_inner(features: InnerFeatures) -> Array:
+    """Encode the features of what lies in a body as inputs of the logistic regression, shape (5,)."""
+    contrast, sharpness, unevenness, volume, sphericity = features
+    return np.array(
+        [
+            np.log(min(contrast, _LARGE_CONTRAST) + FAINT),
+            min(max(sharpness, 0.0), _MAX_SHARPNESS),
+            np.log(min(unevenness, _LARGE_UNEVENNESS) + FAINT),
+            np.log(min(volume, LARGE_VOLUME)),
+            sphericity,
+        ]
+    )
+
+
+def estimate_inner_confidence(features: InnerFeatures) -> float:
+    """Estimate the probability that what lies in a body of a volume is an object."""
+    return _estimate_probability("confidence_bodies.json", encode_inner(features), "inner")
 
 
 def encode_choice(features: ChoiceFeatures) -> Array:

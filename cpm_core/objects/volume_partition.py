@@ -11,7 +11,7 @@ correct this answer.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property, partial, reduce
 from typing import Protocol
@@ -37,8 +37,8 @@ from cpm_core.numerics.grids import (
 )
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
-from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE, find_meant_body, rate_body
-from cpm_core.objects.boundaries.background import lies_in_background
+from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE, find_meant_body, rate_body, rate_inner_part
+from cpm_core.objects.boundaries.background import find_body_with_slit, lies_in_background
 from cpm_core.objects.boundaries.inner_parts import find_inner_parts
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
 from cpm_core.objects.prior.body_corrections import find_changes_near
@@ -146,8 +146,8 @@ class VolumePartition:
     >>> chosen = bodies.build_selection(bodies.select([(15, 15, 15)]).region, [(15, 15, 15)])
     >>> chosen
     <Selection ball, 1 part>
-    >>> bool(bodies.rate_region(chosen.region).confidence > 0.5)
-    True
+    >>> bool(bodies.rate_region(chosen.region).confidence > 0.5), list(bodies.find_parts_in(chosen.region))
+    (True, [])
     >>> half = bodies.remove_pixels(chosen, np.indices((31, 31, 31))[0] > 15)
     >>> [float(row) for row, *_ in half.region.bounds]
     [6.0, 15.0]
@@ -198,16 +198,18 @@ class VolumePartition:
 
     @cached_property
     def _parts(self) -> tuple[tuple[ConnectedParts, Index], ...]:
-        """Parts of voxels inside the surface, and of those outside it, with the number of the body of each part."""
+        """Parts of voxels inside the surface, and of those outside it, with the number of the body of each part.
+
+        A slit has that of the body around it.
+        """
         inside = voxelize_surface(self.surface, self.shape)
-        found = []
-        count = 0
-        for part, corners in ((inside, True), (~inside, False)):
-            parts = find_connected_parts(part, corners=corners)
-            enclosed = np.ones(parts.count, bool) if corners else ~parts.at_border
-            found.append((parts, np.where(enclosed, count + np.cumsum(enclosed), 0)))
-            count += int(enclosed.sum())
-        return tuple(found)
+        solid, rest = (find_connected_parts(part, corners=part is inside) for part in (inside, ~inside))
+        slit_of = np.zeros(rest.count, np.int64)
+        for each in np.flatnonzero(~rest.at_border).tolist():
+            slit_of[each] = find_body_with_slit(self.values, rest.labels == each + 1, solid.labels)
+        hollow = ~rest.at_border & (slit_of == 0)
+        numbers = np.arange(1, solid.count + 1)
+        return (solid, numbers), (rest, np.where(hollow, solid.count + np.cumsum(hollow), slit_of))
 
     @property
     def solid_bodies(self) -> Index:
@@ -526,22 +528,42 @@ class VolumePartition:
             found: list[Selection] = []
             for part in self._split_at_necks(Region(surface=boundary)) if len(boundary.faces) else ():
                 rest, inner = self._find_inner_bodies(part)
-                found += [*([] if rest.is_empty else [self.rate_region(rest)]), *inner]
+                if not rest.is_empty:
+                    rated = self.rate_region if number in self.solid_bodies else self._rate_hollow
+                    found.append(rated(rest))
+                found += inner
             self._parts_of_bodies[number] = tuple(found)
         return self._parts_of_bodies[number]
 
     def _find_inner_bodies(self, body: Region) -> tuple[Region, list[Selection]]:
         """Find what remains of a body without its likely inner parts, and these, split at necks."""
-        found = () if body.is_empty else find_inner_parts(self.values, body, self.voxel_sides)
-        parts = (self.rate_region(part) for one in found for part in self._split_at_necks(one))
-        inner = [part for part in parts if part.confidence >= MIN_INNER_CONFIDENCE]
+        inner = [part for part in self.find_parts_in(body) if part.confidence >= MIN_INNER_CONFIDENCE]
         return reduce(Region.without, (part.region for part in inner), body), inner
+
+    def find_parts_in(self, body: Region) -> Iterator[Selection]:
+        """Find what differs from most of a body in it, split at necks, each with its confidence, likely or not."""
+        for one in () if body.is_empty else find_inner_parts(self.values, body, self.voxel_sides):
+            for part in self._split_at_necks(one):
+                yield rate_inner_part(self._build_marked(part), body)
 
     def rate_region(self, region: Region) -> Selection:
         """Build the selection of a body, with its deepest voxel as its positive point, and its confidence."""
+        return rate_body(self._build_marked(region))
+
+    def _rate_hollow(self, region: Region) -> Selection:
+        """Build the selection of a hollow in a body, with its deepest voxel as its positive point."""
+        return rate_inner_part(self._build_marked(region), self._solid)
+
+    @cached_property
+    def _solid(self) -> Region:
+        """All bodies that are not hollows."""
+        return Region.from_mask(self._parts[0][0].labels > 0)
+
+    def _build_marked(self, region: Region) -> Selection:
+        """Build the selection of a region with its deepest voxel as its positive point."""
         depth = measure_depth(region.mask)
         deepest = np.argwhere(depth == depth.max())[:1] + np.array(region.origin, float)
-        return rate_body(self.build_selection(region, deepest))
+        return self.build_selection(region, deepest)
 
     def _split_at_necks(self, whole: Region) -> tuple[Region, ...]:
         """Split a region at its necks; the region itself where there is none."""

@@ -1,4 +1,4 @@
-"""The background of a volume: what a click there would select has no edges around it."""
+"""The background of a volume, and slits in its bodies: neither has edges around it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 import scipy
 
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.grids import nearest_pixels, window_around
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.grids import Labels, bounding_window, expand_window, nearest_pixels, window_around
+from cpm_core.numerics.types import Array, Mask, Single
 
 _SAME_LEVEL = 1.5
 """Largest difference from the background of the median around a place that counts as none [its standard deviations]."""
@@ -26,6 +26,12 @@ _EDGE_DISTANCE = 1.5
 
 _MAX_EDGE_SHARE = 0.5
 """Share of a surface along edges up to which it bounds nothing."""
+
+_SLIT_RIM_WIDTH = 2
+"""Width of the rims on both sides of the outer wall of a hollow that are compared [voxels]."""
+
+_SAME_RIM_LEVEL = 0.5
+"""Largest difference between the medians of these rims without an edge [standard deviations of the outer one]."""
 
 
 def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
@@ -50,6 +56,22 @@ def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
         return False
     edges = np.abs(measure_edge_steps(values, surface)) > _MIN_EDGE * noise
     return int(np.count_nonzero(edges)) <= _MAX_EDGE_SHARE * len(surface.vertices)
+
+
+def find_body_with_slit(values: Array, hollow: Mask, bodies: Labels) -> int:
+    """Find the body around a hollow, shape (P, R, C), if gray levels do not change from one to the other; else 0.
+
+    Around what is brighter than the body that it lies in, the surface of a run has a second wall, where there is no
+    edge. What lies between the two is a part of the body.
+    """
+    window = expand_window(bounding_window(hollow), _SLIT_RIM_WIDTH, hollow.shape)
+    filled = scipy.ndimage.binary_fill_holes(hollow[window])
+    outer = scipy.ndimage.binary_dilation(filled, iterations=_SLIT_RIM_WIDTH) & ~filled & (bodies[window] > 0)
+    inner = hollow[window] & ~scipy.ndimage.binary_erosion(filled, iterations=_SLIT_RIM_WIDTH)
+    level, noise = measure_level(values[window][outer], float(np.ptp(values)))
+    if abs(float(np.median(values[window][inner])) - level) > _SAME_RIM_LEVEL * noise:
+        return 0
+    return int(np.bincount(bodies[window][outer]).argmax())
 
 
 def _measure_background(values: Array) -> tuple[float, float]:

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import expand_window, find_largest_part, first_pixel
+from cpm_core.numerics.grids import expand_window, find_largest_part, first_pixel, measure_depth
 from cpm_core.numerics.types import Array
 from cpm_core.objects.boundaries.background import measure_level
 
@@ -22,13 +22,20 @@ _MIN_CORE_SIZE = 30
 """Least number of voxels of an inner part that differ so [voxels]."""
 
 _HIGH_RANK = 0.9
-"""Quantile of differences that is none of the blurred rim, in which most of a small bright part lies."""
+"""Quantile of differences by which the extent of an inner part is first estimated."""
+
+_EDGE_SIGMA = 0.7
+"""Sigma of the Gaussian over gray levels across the edge of an inner part: a wider one moves the edges of small ones
+[smallest sides of a voxel]."""
+
+_DEEP_SHARE = 0.5
+"""Least depth in an inner part, in its largest, at which its own gray level is none of its blurred rim."""
 
 
 def find_inner_parts(values: Array, body: Region, sides: Array) -> Iterator[Region]:
     """Find the inner parts of a body, in gray levels of shape (P, R, C) with voxels of these sides.
 
-    Each reaches as far as gray levels are nearer to its own than to that of the body.
+    Each reaches as far as gray levels are nearer to its own, deep inside, than to that of the body.
     """
     body = body.clipped(values.shape)
     window, inside = body.window, body.mask
@@ -49,7 +56,10 @@ def find_inner_parts(values: Array, body: Region, sides: Array) -> Iterator[Regi
             core = cores[near] == number
             if np.count_nonzero(core) >= _MIN_CORE_SIZE:
                 around = scipy.ndimage.distance_transform_edt(~core, sides) <= _EDGE_WIDTH
-                rises = rise[near][core]
-                own = np.median(rises[rises > 0.5 * np.quantile(rises, _HIGH_RANK)])
-                part = find_largest_part(around & inside[near] & (rise[near] > 0.5 * own))
+                reach, own = around & inside[near], float(np.quantile(rise[near][core], _HIGH_RANK))
+                depth = measure_depth(find_largest_part(reach & (rise[near] > 0.5 * own)), sides)
+                fine = scipy.ndimage.gaussian_filter(values[window][near], _EDGE_SIGMA / sides, output=np.float32)
+                fine = sign * (fine - level)
+                own = float(np.median(fine[depth >= _DEEP_SHARE * depth.max()]))
+                part = find_largest_part(reach & (fine > 0.5 * own))
                 yield Region.from_mask(part, np.add(body.origin, first_pixel(near)))

@@ -11,6 +11,9 @@ from cpm_core.numerics.types import Array, Extent, Mask
 KINDS = ("blob", "torus", "tube", "pair", "textured", "gap", "hollow")
 """The kinds of bodies that `body` makes."""
 
+INNER_KINDS = ("organs", "textures", "folds", "shades", "vessels", "layers", "hollow", "specks", "scan")
+"""The kinds of bodies with parts that `body_with_parts` makes."""
+
 CONTRAST, GROUND, BLUR = 100.0, 60.0, 0.8
 
 
@@ -109,3 +112,62 @@ def scan(seed: int, shape: Extent, noise: float) -> tuple[Array, dict[str, Mask]
         values[inside] = level
     found["body"] &= ~np.any(list(found.values())[1:], axis=0)
     return scipy.ndimage.gaussian_filter(values, 0.7) + rng.normal(0.0, noise, shape), found
+
+
+def body_with_parts(kind: str, rng: Generator) -> tuple[Array, Mask, list[Mask]]:
+    """A volume with a body, the body with all that lies in it, and each of its parts."""
+    if kind == "scan":
+        sides = rng.integers(40, 54, 3).tolist()
+        values, found = scan(int(rng.integers(2**30)), tuple(sides), rng.uniform(8.0, 60.0))
+        masks = list(found.values())
+        return values, np.any(masks, axis=0), [*masks[1:], np.any(masks[2:], axis=0)]
+    side = int(rng.integers(40, 50))
+    middle = side * rng.uniform(0.46, 0.54, 3)
+    inside = _blob(side, middle, side * rng.uniform(0.34, 0.42), rng)
+    values, parts = np.where(inside, CONTRAST, 0.0), list[Mask]()
+    noise, depth = np.exp(rng.uniform(np.log(2.0), np.log(30.0))), scipy.ndimage.distance_transform_edt(inside)
+
+    def rise() -> float:
+        return float(rng.choice([-1.0, 1.0]) * np.exp(rng.uniform(np.log(15.0), np.log(90.0))))
+
+    def add(mask: Mask) -> None:
+        part = mask & (depth > 2.0)
+        near = scipy.ndimage.binary_dilation(part, iterations=2)
+        if np.count_nonzero(part) >= 60 and not any((near & other).any() for other in parts):
+            values[part] += rise()
+            parts.append(part)
+
+    def blob(low: float, high: float, within: Array = depth) -> Mask:
+        deep = np.argwhere(within > 0.35 * within.max())
+        return _blob(side, deep[rng.integers(len(deep))].astype(float), side * rng.uniform(low, high), rng)
+
+    if kind == "textures":
+        values += inside * np.exp(rng.uniform(np.log(4.0), np.log(30.0))) * _smooth(side, rng.uniform(2.0, 9.0), rng)
+    elif kind == "folds":
+        folded = inside & (_smooth(side, rng.uniform(4.0, 12.0), rng) > rng.uniform(0.2, 0.8))
+        values[folded] += rng.choice([-1.0, 1.0]) * rng.uniform(10.0, 40.0)
+    elif kind == "shades":
+        across = np.moveaxis(np.indices(inside.shape), 0, -1) @ _direction(rng) / side
+        values += inside * (across - across[inside].mean()) * rng.uniform(20.0, 90.0)
+    elif kind == "vessels":
+        for _ in range(int(rng.integers(1, 3))):
+            add(_tube(side, side * rng.uniform(0.4, 0.6, 3), side * rng.uniform(0.15, 0.22), rng) & inside)
+    elif kind == "layers":
+        core = depth > rng.uniform(3.0, 7.0)
+        values[core] += rise()
+        parts.append(core)
+        organ = blob(0.08, 0.16, np.where(core, depth, 0.0)) & scipy.ndimage.binary_erosion(core)
+        if np.count_nonzero(organ) >= 60:
+            values[organ] += rise()
+            parts += [organ, core & ~organ]
+    elif kind == "hollow":
+        hollow = _blob(side, middle + rng.uniform(-3.0, 3.0, 3), side * rng.uniform(0.1, 0.26), rng) & (depth > 2.0)
+        values[hollow] = rng.choice([0.0, rng.uniform(0.0, 60.0)])
+        parts.append(hollow)
+    if kind != "layers":
+        most, low, high = {"organs": (6, 0.07, 0.16), "specks": (14, 0.045, 0.085)}.get(kind, (3, 0.08, 0.2))
+        for _ in range(int(rng.integers(most // 3, most))):
+            add(blob(low, high))
+    seen = scipy.ndimage.gaussian_filter(values, rng.uniform(0.5, 1.2))
+    sign = 1.0 if rng.random() < 0.7 else -1.0
+    return sign * seen + rng.normal(0.0, noise, seen.shape), inside, parts

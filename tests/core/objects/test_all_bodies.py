@@ -11,7 +11,12 @@ from cpm_core.image.region import Region
 from cpm_core.objects import compute_iou
 from cpm_core.objects.boundaries.inner_parts import find_inner_parts
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
-from cpm_core.objects.confidence import BodyFeatures, estimate_body_confidence
+from cpm_core.objects.confidence import (
+    BodyFeatures,
+    InnerFeatures,
+    estimate_body_confidence,
+    estimate_inner_confidence,
+)
 from tests.benchmarks.prior.bodies import scan
 
 SHAPE = (30, 36, 66)
@@ -67,6 +72,17 @@ def test_a_steady_convex_body_is_likelier_than_a_ragged_speck():
     assert estimate_body_confidence(doubtful) < 0.4
 
 
+def test_a_round_inner_part_with_a_sharp_edge_is_likelier_than_a_ragged_blurred_or_uneven_one():
+    sure = InnerFeatures(contrast=25.0, sharpness=0.9, unevenness=1.0, volume=500.0, sphericity=0.93)
+    assert estimate_inner_confidence(sure) > 0.8
+    for doubtful in (
+        sure._replace(contrast=8.0, sphericity=0.6),
+        sure._replace(contrast=8.0, sharpness=0.4),
+        sure._replace(contrast=8.0, unevenness=3.0),
+    ):
+        assert estimate_inner_confidence(doubtful) < 0.5
+
+
 def test_bodies_like_one_are_found_with_or_without_a_run_and_none_is_found_twice():
     there = partition(ball(ONE) | ball(OTHER) | ball(APART))
     first = cpm.VolumePartition(there.image).build_selection(Region.from_mask(ball(APART)), [APART])
@@ -112,6 +128,17 @@ def test_no_wall_is_found_beyond_the_edge_of_what_is_brighter_within_something_b
     hollow, body = sorted(result.objects, key=lambda one: one.size)
     assert compute_iou(hollow.mask, away < 9.0) > 0.9
     assert compute_iou(body.mask, (away >= 9.0) & (away < 24.0)) > 0.9
+
+
+@pytest.mark.parametrize("rise", [30.0, 80.0])
+def test_what_lies_between_an_organ_and_a_wall_around_it_without_an_edge_belongs_to_the_body(rise):
+    places = np.moveaxis(np.indices((40, 44, 48)), 0, -1) - np.array([20.0, 22.0, 23.0])
+    body, organ = np.linalg.norm(places, axis=-1) < 17.0, np.linalg.norm(places - [2.0, -6.0, 4.0], axis=-1) < 6.0
+    values = np.random.default_rng(1).normal(np.select([organ, body], [90.0 + rise, 90.0], 10.0), 5.0)
+    found = cpm.segment(values, cpm.seeds_everywhere(values), cpm.PRESETS["volume"]).objects
+    inner, rest = sorted((one.mask for one in found), key=np.count_nonzero)
+    assert compute_iou(inner, organ) > 0.9
+    assert compute_iou(rest, body & ~organ) > 0.98
 
 
 @pytest.mark.parametrize("rise", [60.0, 200.0])

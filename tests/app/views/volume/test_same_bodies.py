@@ -13,7 +13,9 @@ from PySide6.QtWidgets import QApplication
 
 import cpm_core as cpm
 from cpm_core import cli
+from cpm_core.objects import compute_iou
 from tests.app.conftest import Hand
+from tests.app.views.volume.conftest import open_file
 
 pytestmark = pytest.mark.shared_window
 
@@ -131,3 +133,56 @@ def test_bodies_that_were_clicked_are_found_again_by_the_script_and_by_the_comma
     labels = [cpm.load_volume(tmp_path / name).values for name in ("command.tif", "window.tif")]
     np.testing.assert_array_equal(*labels)
     assert labels[0].max() == len(columns)
+
+
+def test_a_click_in_or_beside_an_organ_selects_the_same_in_every_way_and_what_a_run_proposes(
+    window, hand: Hand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hand, "patience", 120_000)
+    places = np.moveaxis(np.indices((34, 38, 40)), 0, -1) - np.array([17.0, 19.0, 20.0])
+    body, at = np.linalg.norm(places, axis=-1) < 14.0, np.array([1.0, -4.0, 4.0])
+    organ = np.linalg.norm((places - at) / (1.0, 1.2, 0.9), axis=-1) < 4.5
+    truths = organ, body & ~organ
+    values = np.random.default_rng(1).normal(np.select([organ, body], [130.0, 90.0], 20.0), 6.0)
+    path, written = tmp_path / "organ.npy", tmp_path / "selected.tif"
+    np.save(path, values.clip(0.0, 255.0).astype(np.uint8))
+    open_file(window, hand, path)
+    selection, image = window.workspace.object_selection, cpm.load_volume(path)
+    window.workspace.slices.go_through((18.0, 15.0, 24.0))
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_W)
+    hand.wait(lambda: selection.ready and selection.idle)
+
+    def select(bodies, *options: str) -> list[np.ndarray]:
+        """Select the organ, and the body beside it, by clicks in the window, in the library and by the command."""
+        found = []
+        for row, col in (15.0, 24.0), (27.0, 20.0):
+            hand.click(row, col)
+            clicks = window.session.document.objects.clicks
+            hand.wait(lambda: selection.idle and [each.clicks for each in selection.proposals[:1]] == [clicks])  # noqa: B023
+            found.append(selection.proposals[0].selection.mask)
+            np.testing.assert_array_equal(bodies.select([(18.0, row, col)]).mask, found[-1])
+            words = ["run", str(path), *options, "--object", f"18,{row:g},{col:g}", "--export", str(written)]
+            assert cli.main(words) == 0
+            np.testing.assert_array_equal(cpm.load_volume(written).values > 0, found[-1])
+            hand.key(Qt.Key.Key_Escape)
+            hand.wait(lambda: selection.idle and not window.session.document.objects.clicks)
+        return found
+
+    before = select(cpm.partition(image), "--volume")
+    window.actions_by_name["mode_automatic"].trigger()
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and len(selection.proposals) == 2)
+    proposed = sorted((each.selection.mask for each in selection.proposals), key=np.count_nonzero)
+    session = tmp_path / "window.cpm"
+    assert DocumentFile(window.session, dict).save_and_wait(session)
+    result = cpm.run(path, session)
+    assert {one.mask.tobytes() for one in result.objects} == {mask.tobytes() for mask in proposed}
+    hand.key(Qt.Key.Key_X)  # a click on a proposal would take it
+    hand.wait(lambda: selection.idle and not selection.proposals)
+    after = select(cpm.partition(result), "--session", str(session))
+    for truth, one, other, offered in zip(truths, before, after, proposed, strict=True):
+        np.testing.assert_array_equal(other, offered)
+        assert compute_iou(one, other) > 0.96
+        assert min(compute_iou(one, truth), compute_iou(other, truth)) > 0.93
