@@ -35,7 +35,7 @@ _MIN_CROP_REFINEMENTS = 2
 _MAX_CROP_REFINEMENTS = 6
 """Largest number of crops around answers, while these reach the rim of their crop."""
 
-_CORRECTION_ROUNDS = 3
+_CORRECTION_ROUNDS = 2
 """Number of crops around a correction; the first shows only what a crop around the object has found of it."""
 
 _MAX_CORRECTION_SHARE = 0.6
@@ -66,13 +66,13 @@ _MAX_IMAGE_SHARE = 0.5
 SAME_OBJECT_IOU = 0.7
 """Overlap of the answers to two crops above which they mean the same object."""
 
-_CLOSE_LIKELIHOOD = 0.1
-"""Difference in predicted overlaps up to which answers are ranked once more when they are refined.
+_CLOSE_SCORE = 0.1
+"""Difference in scores up to which answers are ranked once more when they are refined.
 
 Among the best answers to 590 first clicks in objects that people outlined, more made no difference.
 """
 
-MAX_PREDICTIONS = 6
+MAX_PREDICTIONS = 4
 """Largest number of objects that one prompt may mean."""
 
 _POINT_FADING = 6.0
@@ -161,8 +161,8 @@ class CropPrediction(NamedTuple):
                 return True
         return False
 
-    def compute_penalty(self, known_area: float | None, drawn: Mask | None) -> float:
-        """Compute how much the size of the answer speaks against it, as a difference in overlap.
+    def compute_score(self, known_area: float | None, drawn: Mask | None) -> float:
+        """Compute the rank of the answer among those of other crops.
 
         `known_area` [px²] is that of the object, and `drawn`, shape (H, W), is what has been drawn.
         """
@@ -170,7 +170,7 @@ class CropPrediction(NamedTuple):
         off = 0.0 if known_area is None else abs(float(np.log(max(known_area, 1.0)) - area))
         if drawn is not None:
             off += max(float(area - np.log(_MAX_DRAWN_RATIO * max(int(np.count_nonzero(drawn)), 1))), 0.0)
-        return AREA_PENALTY * off
+        return 0.5 * (self.predicted_iou + self.mean_certainty) - AREA_PENALTY * off
 
     @property
     def mean_certainty(self) -> float:
@@ -255,17 +255,13 @@ class ObjectPredictor:
         yield from put_surroundings_last(self._rank_predictions(prompt, known_area), prompt)
 
     def _rank_predictions(self, prompt: Prompt, known_area: float | None) -> Iterator[Prediction]:
-        """Predict different objects that a prompt may mean, the likeliest first, and last those cut.
+        """Predict different objects that a prompt may mean, those of the best score first, and last those cut.
 
-        Those that are about as likely are ranked once more when they are refined, then by their certainty as well:
-        before, one of several answers in a crop may be certain only because it differs from the others.
+        Those whose scores are close are ranked once more when they are refined.
         """
 
-        def likelihood(answer: CropPrediction) -> float:
-            return answer.predicted_iou - answer.compute_penalty(known_area, prompt.drawn_area)
-
         def score(answer: CropPrediction) -> float:
-            return likelihood(answer) + 0.5 * (answer.mean_certainty - answer.predicted_iou)
+            return answer.compute_score(known_area, prompt.drawn_area)
 
         def refine(answer: CropPrediction) -> tuple[Prediction, CropPrediction]:
             others = (one for one in answers if one.crop is not answer.crop)
@@ -273,9 +269,9 @@ class ObjectPredictor:
             return self._refine_prediction(answer, prompt, agreement, 0)
 
         crops = map_in_parallel(lambda window: self._predict_in_crop(window, prompt), [*self._propose_crops(prompt)])
-        answers = sorted(itertools.chain.from_iterable(crops), key=likelihood, reverse=True)
+        answers = sorted(itertools.chain.from_iterable(crops), key=score, reverse=True)
         distinct = _choose_distinct(answers)
-        close = sum(likelihood(answer) > likelihood(distinct[0]) - _CLOSE_LIKELIHOOD for answer in distinct)
+        close = sum(score(answer) > score(distinct[0]) - _CLOSE_SCORE for answer in distinct)
         cut: list[Prediction] = []
         for group in (distinct[:close], *([answer] for answer in distinct[close:])):
             refined: list[tuple[float, Prediction]] = []
