@@ -38,7 +38,7 @@ from cpm_core.numerics.grids import (
 from cpm_core.numerics.real_numbers import as_positions
 from cpm_core.numerics.types import Array, Arrays, Extent, Index, Mask, record
 from cpm_core.objects.body_evidence import MIN_INNER_CONFIDENCE, find_meant_body, rate_body, rate_inner_part
-from cpm_core.objects.boundaries.background import find_body_with_slit, lies_in_background
+from cpm_core.objects.boundaries.background import find_bodies_with_slits, lies_in_background
 from cpm_core.objects.boundaries.inner_parts import find_inner_parts
 from cpm_core.objects.boundaries.necks import split_at_clear_necks
 from cpm_core.objects.prior.body_corrections import find_changes_near
@@ -204,10 +204,10 @@ class VolumePartition:
         """
         inside = voxelize_surface(self.surface, self.shape)
         solid, rest = (find_connected_parts(part, corners=part is inside) for part in (inside, ~inside))
-        slit_of = np.zeros(rest.count, np.int64)
-        for each in np.flatnonzero(~rest.at_border).tolist():
-            slit_of[each] = find_body_with_slit(self.values, rest.labels == each + 1, solid.labels)
-        hollow = ~rest.at_border & (slit_of == 0)
+        is_enclosed, slit_of = ~rest.at_border, np.zeros(rest.count, np.int64)
+        hollows = np.flatnonzero(is_enclosed)
+        slit_of[hollows] = find_bodies_with_slits(self.values, rest.labels, hollows + 1, solid.labels)
+        hollow = is_enclosed & (slit_of == 0)
         numbers = np.arange(1, solid.count + 1)
         return (solid, numbers), (rest, np.where(hollow, solid.count + np.cumsum(hollow), slit_of))
 

@@ -6,8 +6,8 @@ import numpy as np
 import scipy
 
 from cpm_core.image.surface import Surface
-from cpm_core.numerics.grids import Labels, bounding_window, expand_window, nearest_pixels, window_around
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.grids import Labels, expand_window, nearest_pixels, window_around
+from cpm_core.numerics.types import Array, Index, Single
 
 _SAME_LEVEL = 1.5
 """Largest difference from the background of the median around a place that counts as none [its standard deviations]."""
@@ -58,20 +58,25 @@ def lies_in_background(values: Array, place: Array, surface: Surface) -> bool:
     return int(np.count_nonzero(edges)) <= _MAX_EDGE_SHARE * len(surface.vertices)
 
 
-def find_body_with_slit(values: Array, hollow: Mask, bodies: Labels) -> int:
-    """Find the body around a hollow, shape (P, R, C), if gray levels do not change from one to the other; else 0.
+def find_bodies_with_slits(values: Array, parts: Labels, hollows: Index, bodies: Labels) -> list[int]:
+    """Find the body around each hollow if gray levels do not change from one to the other; else 0.
+
+    `hollows` are numbers of some parts, shape (P, R, C), outside the bodies, of the same shape.
 
     Around what is brighter than the body that it lies in, the surface of a run has a second wall, where there is no
     edge. What lies between the two is a part of the body.
     """
-    window = expand_window(bounding_window(hollow), _SLIT_RIM_WIDTH, hollow.shape)
-    filled = scipy.ndimage.binary_fill_holes(hollow[window])
-    outer = scipy.ndimage.binary_dilation(filled, iterations=_SLIT_RIM_WIDTH) & ~filled & (bodies[window] > 0)
-    inner = hollow[window] & ~scipy.ndimage.binary_erosion(filled, iterations=_SLIT_RIM_WIDTH)
-    level, noise = measure_level(values[window][outer], float(np.ptp(values)))
-    if abs(float(np.median(values[window][inner])) - level) > _SAME_RIM_LEVEL * noise:
-        return 0
-    return int(np.bincount(bodies[window][outer]).argmax())
+    windows, span, found = scipy.ndimage.find_objects(parts), float(np.ptp(values)), []
+    for number in hollows.tolist():
+        near = expand_window(windows[number - 1], _SLIT_RIM_WIDTH, parts.shape)
+        hollow = parts[near] == number
+        filled = scipy.ndimage.binary_fill_holes(hollow)
+        outer = scipy.ndimage.binary_dilation(filled, iterations=_SLIT_RIM_WIDTH) & ~filled & (bodies[near] > 0)
+        inner = hollow & ~scipy.ndimage.binary_erosion(filled, iterations=_SLIT_RIM_WIDTH)
+        level, noise = measure_level(values[near][outer], span)
+        has_edge = abs(float(np.median(values[near][inner])) - level) > _SAME_RIM_LEVEL * noise
+        found.append(0 if has_edge else int(np.bincount(bodies[near][outer]).argmax()))
+    return found
 
 
 def _measure_background(values: Array) -> tuple[float, float]:
