@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
@@ -88,7 +89,8 @@ class ObjectSelection(QObject):
         """The selector and the clicks of the answer that is shown."""
         self._is_catching_up = False
         self._searched: AnyPartition | None = None
-        self._found: tuple[Proposal, ...] = ()
+        self._found, self._covered = tuple[Proposal, ...](), tuple[Proposal, ...]()
+        """What was found last, and what objects covered of it then, which is proposed once these are gone."""
         self._is_searched = False
         """Whether the search in the partition has ended."""
         self._comparing = ENDED_TASK
@@ -320,7 +322,7 @@ class ObjectSelection(QObject):
                 self._session.messages.show(tr("No other object like this one was found."))
                 return
             made = (Proposal(each, (Click(as_line(each.inside)),), category=example.category) for each in new)
-            self._offer(self._found, (*self._alike, *made))
+            self._offer(self._found, (*self._alike, *made), self._covered)
             if self._session.scene.objects.selected == {number}:  # which would keep Enter from what was found
                 self._list.select_objects(())
             self._session.messages.show(tr("Objects like this one: {count}.", count=len(new)))
@@ -389,15 +391,18 @@ class ObjectSelection(QObject):
 
     @property
     def _offered(self) -> tuple[Proposal, ...]:
-        """What was found last, and the other objects like one."""
-        return (*self._found, *self._alike)
+        """What was found last, the other objects like one, and what is covered."""
+        return (*self._found, *self._alike, *self._covered)
 
-    def _offer(self, found: Sequence[Proposal], alike: Sequence[Proposal]) -> None:
-        """Offer what was found, and then the objects like one that are not among it, each with a key."""
-        known = [each.proposed_object for each in found if alike and each.selection.has_boundary]
-        offered = (*found, *(each for each in alike if not is_covered(each.selection.region, known)))
-        numbered = tuple(each if each.key == ~at else replace(each, key=~at) for at, each in enumerate(offered))
-        self._found, self._alike = numbered[: len(found)], numbered[len(found) :]
+    def _offer(self, found: Sequence[Proposal], alike: Sequence[Proposal], covered: Sequence[Proposal]) -> None:
+        """Offer what was found, then the objects like one that are not among it, then what is covered, with keys."""
+        known = [each.proposed_object for each in (*found, *covered) if alike and each.selection.has_boundary]
+        apart = [each for each in alike if not is_covered(each.selection.region, known)]
+        numbered = (
+            each if each.key == ~at else replace(each, key=~at) for at, each in enumerate((*found, *apart, *covered))
+        )
+        parts = (tuple(itertools.islice(numbered, len(part))) for part in (found, apart, covered))
+        self._found, self._alike, self._covered = parts
 
     @property
     def _offers_run(self) -> bool:
@@ -428,8 +433,8 @@ class ObjectSelection(QObject):
             self._was_running = running
             self._request_answer()
 
-    def _find_offered(self, partition: AnyPartition) -> tuple[Proposal, ...]:
-        """Return the objects of the previous page, or what the run proposes, as soon as they are found."""
+    def _find_offered(self, partition: AnyPartition) -> None:
+        """Find the objects of the previous page, or what the run proposes, unless that has begun."""
         source, follow = self.partition_updater.source, self._followed_objects.search
         find: Callable[[BackgroundTask], tuple[Proposal, ...]]
         of_run, pages = self._offers_run and isinstance(source, Result) and bool(source.stop_reason), self._pages
@@ -440,19 +445,18 @@ class ObjectSelection(QObject):
             find = partial(find_proposals, source, continues, pages.proposed)
             name = tr("Finding the objects of the run…")
         else:
-            self._searched, self._found, self._is_searched = None, (), True
-            return ()
+            self._searched, self._found, self._covered, self._is_searched = None, (), (), True
+            return
         if self._searched is not partition:
-            self._searched, self._found, self._is_searched = partition, (), False
+            self._searched, self._found, self._covered, self._is_searched = partition, (), (), False
             self._finding.cancel()
             found, known = partial(self._on_objects_found, partition), self._session.document.objects
             there = (*known.items, *known.dismissed)
 
-            def find_new_first(task: BackgroundTask) -> list[Proposal]:
-                return sorted(find(task), key=lambda each: is_covered(each.selection.region, there))
+            def find_and_compare(task: BackgroundTask) -> list[tuple[Proposal, bool]]:
+                return [(each, is_covered(each.selection.region, there)) for each in find(task)]
 
-            self._finding = self._start_finding(name, find_new_first, found)
-        return self._found
+            self._finding = self._start_finding(name, find_and_compare, found)
 
     def _start_finding(
         self,
@@ -468,9 +472,10 @@ class ObjectSelection(QObject):
 
         return self._session.tasks.start_task(name, find, tr("finding objects"), report_failure, on_result=on_found)
 
-    def _on_objects_found(self, partition: AnyPartition, found: Sequence[Proposal]) -> None:
+    def _on_objects_found(self, partition: AnyPartition, found: Sequence[tuple[Proposal, bool]]) -> None:
         if self._searched is partition:
-            self._offer(found, self._alike)
+            new, covered = ([each for each, known in found if known == is_known] for is_known in (False, True))
+            self._offer(new, self._alike, covered)
             self._is_searched = True
             if found and not (self.selecting or self._waiting):
                 self._list.select_objects(())  # an object accepted before would keep Enter from what was found
@@ -641,7 +646,7 @@ class ObjectSelection(QObject):
         self._finding.cancel()
         self._comparing.cancel()
         self._finding = self._comparing = ENDED_TASK
-        self._selectors, self._seen, self._found, self._alike = {}, {}, (), ()
+        self._selectors, self._seen, self._found, self._alike, self._covered = {}, {}, (), (), ()
         if not self._pages.is_turning:  # else what waits is for the page
             self._waiting.clear()
         self.selector = self._answered = self._pointed = self._searched = None

@@ -918,7 +918,7 @@ def test_objects_like_one_found_before_a_run_ends_stay_beside_what_it_proposes_e
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
-    hand.wait(lambda: objects.idle and objects.offer_is_known)
+    hand.wait(lambda: window.session.scene.result.stop_reason and objects.idle and objects.offer_is_known)
     for place, _ in (corner, LARGE):
         assert sum(each.selection.contains(np.array([place]))[0] for each in objects.proposals) == 1
     assert [each.key for each in objects.proposals] == [-1, -2], "what is seen is numbered from 1"
