@@ -12,10 +12,12 @@ TIGHT = 1e-3
 
 
 def learned(features: Array, right: Array, weights: Array) -> Array:
-    """Numbers of a logistic regression, the offset last, by Newton's method."""
+    """Numbers of a logistic regression, the offset last, by Newton's method.
+
+    Those of features that vary less are held back less, as their unit does not matter.
+    """
     wide = np.column_stack([features, np.ones(len(features))])
-    numbers, tight = np.zeros(wide.shape[1]), TIGHT * weights.sum() * np.eye(wide.shape[1])
-    tight[-1, -1] = 0.0
+    numbers, tight = np.zeros(wide.shape[1]), TIGHT * weights.sum() * np.diag(wide.var(axis=0))
     for _ in range(50):
         likely = scipy.special.expit(wide @ numbers)
         slope = wide.T @ (weights * (right - likely)) - tight @ numbers
