@@ -21,6 +21,9 @@ Single = NDArray[np.float32]
 Index = NDArray[np.int64]
 """Indices and counts."""
 
+NO_PIXELS: Index = np.empty((0, 2), np.int64)
+"""No pixels of an image."""
+
 Mask = NDArray[np.bool_]
 """Truth values: a mask of pixels, or of the selected items."""
 

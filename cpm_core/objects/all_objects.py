@@ -66,7 +66,7 @@ _MAX_NESTED_AREA = 0.6
 _MIN_CLUMP_AREA = 400
 """Least area of an object in which others are looked for [px²]."""
 
-_PART_COST = 0.2
+_PART_COST = 0.1
 """What an object costs, as a probability, where several take the place of one."""
 
 _MAX_SHARED_RIM = 0.3

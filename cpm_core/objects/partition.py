@@ -32,12 +32,13 @@ from cpm_core.numerics.grids import (
     expand_window,
     first_pixel,
     label_parts,
+    measure_depth,
     nearest_pixels,
     running_maximum,
 )
 from cpm_core.numerics.parallel import map_in_parallel
 from cpm_core.numerics.real_numbers import as_positions
-from cpm_core.numerics.types import NO_POINTS, Array, Arrays, Extent, Index, Mask, frozen, record
+from cpm_core.numerics.types import NO_PIXELS, NO_POINTS, Array, Arrays, Extent, Index, Mask, frozen, record
 from cpm_core.objects.boundaries.boundary_guides import BoundaryGuides, build_boundary_guides
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import find_crossings
@@ -86,6 +87,12 @@ _BASIN_REACH = 256
 
 _MAX_BASIN_SHARE = 0.6
 """Largest share of that part of the image that such a candidate covers."""
+
+_CERTAINTY_WEIGHT = 2.0
+"""How much the certainty of a correction counts, in how near its middle the points are.
+
+For 559 further clicks in objects of 36 kinds that people outlined, up to twice as much made hardly any difference.
+"""
 
 _MIN_GROWTH = 1.2
 """Least area of an object joined with others across its necks, in areas of the object alone."""
@@ -401,14 +408,45 @@ class Partition(drawing.Pictured):
             prompt = replace(prompt, positive=prompt.positive[~part[tuple(prompt.positive.T)]])
 
     def _correct_by_network(self, prompt: Prompt, mask: Mask, free: Mask) -> Candidate:
-        """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove."""
-        before = Region.from_mask(mask)
-        found = next(self._predict_candidates(prompt), Candidate(before))
+        """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove.
+
+        The object may also be another one of those that the positive points may mean: a user points at the middle of
+        what is wrong.
+        """
+        before, wrong = Region.from_mask(mask), prompt.find_contradictions(mask)
         adds, removes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
+
+        def limit_change(found: Candidate) -> Candidate:
+            return found._replace(
+                region=found.region.united(before) if adds else found.region.shared_with(before),
+                features=found.features and found.features._replace(point_count=prompt.point_count),
+            )
+
+        found = next(self._predict_candidates(prompt), Candidate(before))
         if adds != removes:
-            changed = found.region.united(before) if adds else found.region.shared_with(before)
-            found = found._replace(region=changed)
+            others = map(limit_change, self._list_meant(prompt))
+            fitting = [one for one in others if not len(prompt.find_contradictions(one.region.paste(self.shape)))]
+            found = max((limit_change(found), *fitting), key=lambda one: _rate_correction(one, mask, wrong))
         return self._keep_connected(found, prompt, free)
+
+    def _list_meant(self, prompt: Prompt) -> tuple[Candidate, ...]:
+        """List the objects that a prompt may mean without its negative points and its previous mask.
+
+        They are kept until those of another prompt are, as further negative points need them again.
+        """
+        meant = replace(prompt, negative=prompt.negative[:0], previous_mask=None)
+        drawn = b"" if meant.drawn_area is None else meant.drawn_area.tobytes()
+        key = meant.positive.tobytes(), meant.box, drawn
+        found = self._kept_meant.get(key)
+        if found is None:
+            found = tuple(self._predict_candidates(meant)) if meant.point_count or meant.box else ()
+            self._kept_meant.clear()
+            self._kept_meant[key] = found
+        return found
+
+    @cached_property
+    def _kept_meant(self) -> dict[tuple[object, ...], tuple[Candidate, ...]]:
+        return {}
 
     def _outline_candidate(self, found: Candidate, request: _Request) -> Selection:
         """Outline a candidate, with a remark if hardly anything says that it is an object.
@@ -615,9 +653,12 @@ class Partition(drawing.Pictured):
         mask[box] = drop_fragments(part, ~free[box])
         return candidate._replace(region=Region.from_mask(mask))
 
-    def complete_object(self, drawn: Mask, area: float) -> Mask:
-        """Complete drawn pixels to an object of about this area [px²]; masks of shape (H, W)."""
-        prompt = Prompt(np.empty((0, 2), np.int64), drawn_area=drawn)
+    def complete_object(self, drawn: Mask, area: float, outside: Index = NO_PIXELS) -> Mask:
+        """Complete drawn pixels to an object of about this area [px²] without pixels, shape (K, 2), outside it.
+
+        The masks have shape (H, W).
+        """
+        prompt = Prompt(NO_PIXELS, outside, drawn)
         found = next(self._predict_candidates(prompt, area), Candidate(Region()))
         return self._keep_connected(found, prompt, self.interest).region.paste(self.shape)
 
@@ -802,6 +843,20 @@ def _cut_body_at_necks(mask: Mask, pixels: Index) -> Mask:
     body = np.zeros_like(mask)
     body[box] = held[parts]
     return body
+
+
+def _rate_correction(found: Candidate, previous: Mask, places: Index) -> float:
+    """Rate a correction: how near the middle of what it changes the points, shape (N, 2), are, and its certainty.
+
+    It is 0 for one that does not change the pixels of all points.
+    """
+    changed = found.region.paste(previous.shape) != previous
+    if not changed[tuple(places.T)].all():
+        return 0.0
+    box, corner = _padded_box(changed)
+    depth = measure_depth(changed[box])
+    centrality = depth[tuple((places - corner).T)].mean() / depth.max()
+    return float(centrality) + _CERTAINTY_WEIGHT * (found.features or ConfidenceFeatures()).mean_certainty
 
 
 def _find_part_meant(mask: Mask, prompt: Prompt, previous: Selection | None) -> Mask | None:

@@ -17,10 +17,11 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.numerics.grids import lie_inside, true_bounds
+from cpm_core.numerics.grids import lie_inside, measure_depth, true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
 from cpm_core.objects import Partition, Selection, compute_iou
 from cpm_core.objects.partition import drop_fragments
+from cpm_core.objects.prior.object_predictor import SAME_OBJECT_IOU
 from cpm_core.pages.follow import PageFollower, describe_error
 from cpm_core.pages.page import Page
 from cpm_core.pages.tracks import MIN_PART_FRACTION, MIN_TRACK_OVERLAP, Tracker, TrackEvent, find_origins
@@ -269,12 +270,16 @@ def _find_sought_objects(sought: Sequence[_SoughtObject], page: Partition, check
         best = max((*several, whole), key=lambda one: compute_iou(one, mask))
         return best if compute_iou(best, mask) > _MIN_CLOSED_IOU else None
 
-    def find_object(mask: Mask) -> Mask:
+    def find_object(mask: Mask, own: _SoughtObject) -> Mask:
         check()
         sure = find_closed_region(mask)
         if sure is not None:
             return sure
-        likely = page.complete_object(_find_core(mask), float(np.count_nonzero(mask)))
+        core, area = _find_core(mask), float(np.count_nonzero(mask))
+        likely = page.complete_object(core, area)
+        others = [one.mask for one in sought if one is not own and (one.mask & likely).any()]
+        if compute_iou(likely, np.logical_or.reduce([mask, *others])) > max(compute_iou(likely, mask), SAME_OBJECT_IOU):
+            likely = page.complete_object(core, area, _find_beside(mask, others))  # they touch, and are what they were
         sure = find_closed_region(likely) if likely.any() else None
         return likely if sure is None else sure
 
@@ -285,7 +290,7 @@ def _find_sought_objects(sought: Sequence[_SoughtObject], page: Partition, check
             sure = any(np.array_equal(left, each) for each in find_certain_near(left))
             found.append(page.build_selection(left, unambiguous=sure))
 
-    answers = [(each, find_object(each.mask)) for each in sought if each.mask.any()]
+    answers = [(each, find_object(each.mask, each)) for each in sought if each.mask.any()]
     for each, mask in sorted(answers, key=lambda pair: -compute_iou(pair[0].mask, pair[1])):
         for part in each.split_if_divided(mask):
             if each.resembles_object(part, page.values):
@@ -293,7 +298,8 @@ def _find_sought_objects(sought: Sequence[_SoughtObject], page: Partition, check
     for each in sought:  # objects that have split off lie where nothing has been found
         rest = each.expected & ~taken
         if np.count_nonzero(rest) > _MIN_PIECE_SHARE * np.count_nonzero(each.expected):
-            for other in [one for one in find_certain_near(rest) if each.contains_most_of(one)] or [find_object(rest)]:
+            parts = [one for one in find_certain_near(rest) if each.contains_most_of(one)]
+            for other in parts or [find_object(rest, each)]:
                 if each.contains_most_of(other) and each.resembles_object(other, page.values):
                     add_selection(other)
     return found
@@ -317,6 +323,14 @@ def _find_core(mask: Mask) -> Mask:
     """Find the pixels deep inside."""
     depth = scipy.ndimage.distance_transform_edt(mask)
     return np.asarray(depth > _CORE_DEPTH * depth.max())
+
+
+def _find_beside(mask: Mask, others: Sequence[Mask]) -> Index:
+    """Find the deepest pixel of each of the others, as shape (K, 2), that lies beside a mask, within its box."""
+    box = tuple(map(slice, *(bound + by for bound, by in zip(true_bounds(mask), (0, 1), strict=True))))
+    beside = (measure_depth(other[box] & ~mask[box]) for other in others if other[box].any())
+    deepest = [np.unravel_index(depth.argmax(), depth.shape) for depth in beside if depth.any()]
+    return np.array(deepest, np.int64).reshape(-1, 2) + true_bounds(mask)[0]
 
 
 def _shift_mask(mask: Mask, by: Index) -> Mask:

@@ -1,9 +1,8 @@
 """The network: a small U-Net, run by matrix products alone.
 
 Rectified convolutions of 3 x 3 pixels at five resolutions, each half as fine as the one before; on the way back the
-finer maps are concatenated (Ronneberger, Fischer and Brox 2015, doi:10.1007/978-3-319-24574-4_28). Its weights
-decide how many answers it gives at once, as a click may mean several objects; it predicts the overlap of each with the
-intended object.
+finer maps are concatenated (Ronneberger, Fischer and Brox 2015, doi:10.1007/978-3-319-24574-4_28). It gives several
+answers at once, as a click may mean several objects, and predicts the overlap of each with the intended object.
 """
 
 from __future__ import annotations
