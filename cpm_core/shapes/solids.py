@@ -16,7 +16,7 @@ from cpm_core.image.volume_regions import Pair
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Sides, Voxel, frozen
-from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, find_strong_pixels, finest_spacing, place_evenly
+from cpm_core.shapes.areas import OnStrongEdges, Spaced, find_strong_pixels, finest_spacing, place_evenly
 from cpm_core.shapes.ellipse import Round
 from cpm_core.shapes.path import LARGEST_SIZE, WithoutOutline, check_number
 
