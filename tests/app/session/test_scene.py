@@ -29,15 +29,6 @@ def other(window) -> Iterator[ImageView]:
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
-@pytest.fixture
-def rested(ready, hand):
-    """A window whose run is over."""
-    hand.key(Qt.Key.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle)
-    return ready
-
-
 def test_a_view_that_comes_late_shows_all_that_the_canvas_shows(rested, hand, other) -> None:
     other.draw_scene(rested.session.scene)
     layers, expected = other.layers, hand.canvas.layers

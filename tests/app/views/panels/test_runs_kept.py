@@ -7,34 +7,17 @@ import pytest
 from cpm_app.model.document import edits
 from cpm_app.session.timeline.timeline import MAX_TIMELINE_RUNS
 from cpm_app.views.features.compare import CompareFeature
-from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
 
 from cpm_core.shapes import Circle
+from tests.app.acting import run_to_the_end
+from tests.app.reading import navigation
 
 pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
 LEFT = Qt.MouseButton.LeftButton
-
-
-@pytest.fixture
-def rested(ready, hand):
-    """A window with a finished run."""
-    run_to_the_end(ready, hand)
-    return ready
-
-
-def run_to_the_end(window, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: window.session.idle)
-
-
-def navigation(window):
-    return window.get_feature(TimelineFeature).navigation
 
 
 def names(window) -> list[str]:
