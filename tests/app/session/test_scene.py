@@ -13,7 +13,6 @@ from cpm_app.session.worker.reconstruction import ReconstructionRequest
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.discs import Discs
-from cpm_app.views.layers.layer import NoRequests
 from PySide6.QtCore import QCoreApplication, QEvent, Qt
 
 pytestmark = pytest.mark.shared_window
@@ -22,7 +21,7 @@ pytestmark = pytest.mark.shared_window
 @pytest.fixture
 def other(window) -> Iterator[ImageView]:
     """A second view, which has not followed the session from the beginning."""
-    made = ImageView(NoRequests())
+    made = ImageView()
     made.resize(200, 200)
     yield made
     made.deleteLater()
