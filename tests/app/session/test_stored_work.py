@@ -12,8 +12,9 @@ from cpm_app.views.features.files import RecoveryFeature
 
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle
+from tests.app.acting import draw_circle
 from tests.app.reading import shown_message
-from tests.app.session.test_recovery import draw, journal, leave, offer, press, written
+from tests.app.session.test_recovery import journal, leave, offer, press, written
 
 PLAIN = {"cpm-session": 3, "image": {"path": "a.png"}, JOURNAL_KEY: {"name": "a"}}
 
@@ -89,7 +90,7 @@ def test_work_that_no_journal_can_take_is_said_once_and_taken_back(window, hand,
 
     with monkeypatch.context() as full:
         full.setattr(recovery, "save_session", refuse)
-        draw(window)
+        draw_circle(window)
         journal(window).write()
         hand.wait(lambda: "No space left on device." in shown_message(window))
         assert shown_message(window).startswith("Unsaved work cannot be protected")
@@ -103,7 +104,7 @@ def test_work_that_no_journal_can_take_is_said_once_and_taken_back(window, hand,
 def test_a_folder_that_takes_no_journal_is_said(window, hand) -> None:
     journals_folder().parent.mkdir(parents=True, exist_ok=True)
     journals_folder().write_text("a file in its place")
-    draw(window)
+    draw_circle(window)
     journal(window).write()
     hand.wait(lambda: journals_folder().name in shown_message(window))
     assert window.get_feature(RecoveryFeature).close()
