@@ -7,6 +7,7 @@ from cpm_app.session.features.timeline_navigation import TimelineNavigation
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.run import TimelineFeature
+from cpm_app.views.layers.contours import ContourLayer
 from cpm_app.views.layers.fields import FieldLayer
 from cpm_app.views.panels.tables import SortableTable
 from cpm_app.views.window.window import MainWindow
@@ -25,6 +26,12 @@ def treat_as_saved(window: MainWindow) -> None:
     """Let document and runs count as saved."""
     window.document_file.saved_document = window.session.document
     window.document_file.runs.mark_saved(window.session.scene.timeline.edition)
+
+
+def contour_counts(layer: ContourLayer) -> tuple[int, int]:
+    """How many contours of a layer are closed, and how many open."""
+    closed = sum(contour.closed for contour in layer.scene.contours)
+    return closed, len(layer.scene.contours) - closed
 
 
 def image_name(window: MainWindow) -> str:

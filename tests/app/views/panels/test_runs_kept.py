@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 
 from cpm_core.shapes import Circle
 from tests.app.acting import run_to_the_end
-from tests.app.reading import navigation
+from tests.app.reading import contour_counts, navigation
 
 pytestmark = pytest.mark.shared_window
 
@@ -86,7 +86,7 @@ def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     compared.select_row(1)
     hand.wait(lambda: 1 in compared.agreements)
     assert compared.agreements[1].hausdorff < 1.0
-    hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
+    hand.wait(lambda: sum(contour_counts(wipe.mirror.layers.contours)) > 0)
     navigation(rested).remove_branch(1)
     hand.wait(lambda: wipe.mirror is None)
     assert [row.title for row in compared.rows.values()] == ["Shown now", "Run 2"]

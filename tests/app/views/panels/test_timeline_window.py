@@ -19,7 +19,7 @@ from PySide6.QtCore import Qt
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
 from cpm_core.model.state import State
-from tests.app.reading import navigation
+from tests.app.reading import contour_counts, navigation
 
 pytestmark = pytest.mark.shared_window
 
@@ -118,7 +118,7 @@ def test_a_compared_branch_is_shown_at_its_end_or_at_the_same_step(rested, hand,
     compared, wipe = rested.workspace.comparison, rested.get_feature(CompareFeature).wipe
     row = 1
     compared.select_row(row)
-    hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
+    hand.wait(lambda: sum(contour_counts(wipe.mirror.layers.contours)) > 0)
     beyond = wipe.mirror.layers.particles
     np.testing.assert_array_equal(np.sort(beyond.position, axis=0), np.sort(fresh[-1].position, axis=0))
     hand.canvas.setFocus()
