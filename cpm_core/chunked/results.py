@@ -87,7 +87,7 @@ def _paint_chunk_labels(found: ChunkedContours, path: Path, chunk: Chunk) -> Non
         labels = rasterize_labels(_shift_contours(contours, chunk.core), window_shape(chunk.core))
         numbers, (known, ranks) = _number_labels(contours), rank_values(labels)
         painted = np.array([numbers.get(label, 0) for label in known.tolist()], np.uint32)[ranks]
-        write_window(path, 0, chunk.core, painted)
+        write_window(path, chunk.core, painted)
 
 
 def _number_labels(contours: Sequence[Contour]) -> dict[int, int]:

@@ -40,7 +40,7 @@ def _paint_body_labels(bodies: ChunkedBodies, path: Path, chunk: Chunk) -> None:
             for number, region in load_split_objects(bodies, bodies.grid.chunks[near]):
                 labels[region.cut_out(chunk.core)] = number
     if labels.any():
-        write_window(path, 0, chunk.core, labels)
+        write_window(path, chunk.core, labels)
 
 
 def write_body_surfaces(bodies: ChunkedBodies, path: Path, draft: Path, _: Compute) -> None:

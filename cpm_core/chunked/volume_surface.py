@@ -86,7 +86,7 @@ class _NumberedRegions:
 
     def save_chunk(self, chunk: Chunk, numbers: Labels, **arrays: Any) -> None:
         """Write the numbers in the core of a chunk, and store those one voxel beyond with other arrays."""
-        write_window(_stored_array(self.volume, self.name).path, 0, chunk.core, numbers[_core_of_extended(chunk)])
+        write_window(_stored_array(self.volume, self.name).path, chunk.core, numbers[_core_of_extended(chunk)])
         layers = {f"layer_{axis}": numbers.take(-1, axis) for axis, _ in _find_layers_beyond(self.volume, chunk)}
         self.volume.task.store.save(chunk_file_name(self.name, chunk.number), **layers, **arrays)
 
@@ -227,7 +227,7 @@ def _compute_chunk_height(regions: _NumberedRegions, apart: float, chunk: Chunk)
     border, region = (_collect_border_values(volume, chunk, values[core]) for values in (height, numbers))
     at_border = np.bincount(region[region >= 0], minlength=len(votes))
     bright = np.count_nonzero(border[region < 0] > 0.0)
-    write_window(_stored_array(volume, _HEIGHT_ARRAY).path, 0, chunk.core, height[core])
+    write_window(_stored_array(volume, _HEIGHT_ARRAY).path, chunk.core, height[core])
     regions.save_chunk(
         chunk, numbers, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0)
     )

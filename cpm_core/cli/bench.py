@@ -30,16 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_benchmarks(arguments: argparse.Namespace) -> None:
     """Measure, and print each time as soon as it is known."""
-    from importlib.metadata import version  # noqa: PLC0415 - takes long, and every command imports this module
-
-    began = time.perf_counter()
-    machine = {
-        "cores": os.cpu_count(),
-        "processor": platform.machine(),
-        "system": platform.system(),
-        "python": platform.python_version(),
-        **{name: version(name) for name in ("numpy", "scipy", "scikit-image", "numba")},
-    }
+    began, machine = time.perf_counter(), describe_machine()
     values, repeats = _build_scene(2 if arguments.quick else 6), 1 if arguments.quick else 5
     rows: list[JsonDict] = []
     for what, work in _list_measurements(values):
@@ -52,6 +43,19 @@ def run_benchmarks(arguments: argparse.Namespace) -> None:
         print_json(arguments.name, facts | {"measurements": rows})
     else:
         print(", ".join(f"{name} {value}" for name, value in machine.items()))
+
+
+def describe_machine() -> dict[str, str | int | None]:
+    """Return what times depend on: cores, processor, system and libraries."""
+    from importlib.metadata import version  # noqa: PLC0415 - takes long, and every command imports this module
+
+    return {
+        "cores": os.cpu_count(),
+        "processor": platform.machine(),
+        "system": platform.system(),
+        "python": platform.python_version(),
+        **{name: version(name) for name in ("numpy", "scipy", "scikit-image", "numba")},
+    }
 
 
 def _build_scene(side: int) -> Array:

@@ -110,6 +110,11 @@ class Contour(Curve):
     def __post_init__(self) -> None:
         check_color("a contour", self.color)
 
+    @property
+    def encloses_area(self) -> bool:
+        """Whether it is closed around an area, for which two vertices are too few."""
+        return self.closed and len(self.points) > 2
+
     @cached_property
     def contrast(self) -> float:
         """Mean contrast of the regions on both sides, from 0 for equal ones to 1 for uniform ones.

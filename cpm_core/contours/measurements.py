@@ -231,7 +231,7 @@ def containment(contours: Contours) -> tuple[int | None, ...]:
         return ()
     low, high = np.array([contour.box for contour in contours]).swapaxes(0, 1)
     area = np.array([contour.area for contour in contours])
-    closed = np.array([contour.closed and len(contour.points) > 2 for contour in contours])
+    closed = np.array([contour.encloses_area for contour in contours])
     # which boxes contain which: rows are contours, columns are candidates around them, the smallest first
     order = np.flatnonzero(closed)[np.argsort(area[closed], kind="stable")]
     fits = (low[:, None] >= low[order] - _CONTAINMENT_MARGIN).all(axis=2) & (

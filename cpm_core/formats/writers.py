@@ -461,7 +461,7 @@ def to_bytes(
             raise ValueError(f'A file with the suffix "{suffix}" cannot contain center lines in a volume: choose .swc.')
     elif file_format.lines:
         raise ValueError(f"{found.source} has no center lines in a volume, which {suffix} is for: find its skeleton.")
-    elif isinstance(found, Result) and found.surface is not None and not file_format.volume:
+    elif found.surface is not None and not file_format.volume:
         raise ValueError(
             f'{found.source} is a volume, but a file with the suffix "{suffix}" contains what lies in a plane: '
             f"choose one of {', '.join(VOLUMES_WRITABLE)}."

@@ -39,7 +39,7 @@ def closed_outlines(within: Contours | ArrayLike, shape: Extent) -> tuple[Contou
         When nothing is enclosed, or the mask does not fit the image.
     """
     if isinstance(within, Sequence) and all(isinstance(one, Contour) for one in within):
-        found = tuple(one for one in within if isinstance(one, Contour) and one.closed and len(one.points) > 2)
+        found = tuple(one for one in within if isinstance(one, Contour) and one.encloses_area)
     else:
         mask = check_mask(within, shape)
         from skimage.measure import find_contours  # noqa: PLC0415 - takes long to load

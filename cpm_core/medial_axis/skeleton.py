@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import field
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import skimage
@@ -84,6 +85,8 @@ class Skeleton(drawing.Pictured):
     (14, 1.0, True)
     >>> axes = bones.plot(cpm.example("ring").plot())
     """
+
+    surface: ClassVar[None] = None  # which results of volumes have
 
     contours: tuple[Contour, ...]
     radii: Arrays

@@ -205,7 +205,7 @@ def _find_enclosed_regions(parts: ImageParts) -> Iterator[Candidate]:
     for mask in partition.find_unambiguous_objects():
         yield Candidate(Region.from_mask(mask), unambiguous=True)
     for contour in partition.contours:
-        if contour.closed and len(contour.points) > 2:
+        if contour.encloses_area:
             yield from map(Candidate, _fill_rings([contour.points], partition.interest))
     for face in find_faces(partition.contours, links=partition.links):
         yield from map(Candidate, _fill_rings([face.outer], partition.interest))

@@ -7,6 +7,4 @@ from cpm_core.reconstruction.by_hand.redrawing import CurvePlace as CurvePlace
 from cpm_core.reconstruction.by_hand.redrawing import RedrawnCurve as RedrawnCurve
 from cpm_core.reconstruction.by_hand.redrawing import pull_curve as pull_curve
 from cpm_core.reconstruction.by_hand.redrawing import replace_stretch as replace_stretch
-from cpm_core.reconstruction.curve.pipeline import find_contours
-
-__all__ = ["find_contours"]
+from cpm_core.reconstruction.curve.pipeline import find_contours as find_contours

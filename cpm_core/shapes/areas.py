@@ -35,10 +35,17 @@ THRESHOLD_FRACTION_STEP = 0.02
 """Change of the fraction of a threshold at a time."""
 
 
+@frozen
 class Spaced:
-    """Evenly filled shape; its size is the distance of the particles. Subclasses are frozen dataclasses."""
+    """Evenly filled shape; its size is the distance of the particles. The shape itself is the other base."""
 
-    spacing: float
+    title: ClassVar[str] = "grid"
+
+    spacing: float = 8.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()  # type: ignore[misc]
+        check_spacing(self.spacing, self._lengths)
 
     @property
     def _lengths(self) -> list[float]:
@@ -48,16 +55,21 @@ class Spaced:
         """Return the shape with its spacing changed, within the allowed density of particles."""
         finest = max(MIN_GRID_SPACING, finest_spacing(self._lengths))
         spacing = min(max(self.spacing + amount, finest), max(LARGEST_GRID_SPACING, finest))
-        return replace(self, spacing=spacing)  # type: ignore[type-var]
+        return replace(self, spacing=spacing)
 
 
+@frozen
 class OnStrongEdges:
-    """Shape with particles where edges are strong; its size is how strong. Subclasses are frozen dataclasses."""
+    """Shape with particles where edges are strong; its size is how strong. The shape itself is the other base."""
 
     follows_smoothing: ClassVar[bool] = True
     title: ClassVar[str] = "threshold"
 
-    fraction: float
+    fraction: float = 0.3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()  # type: ignore[misc]
+        check_number("fraction", self.fraction, 0.0, 1.0)
 
     def resized_by(self, steps: float) -> Self:
         """Return the shape with its threshold raised by a number of steps of 0.02."""
@@ -68,7 +80,7 @@ class OnStrongEdges:
             ),
             6,
         )
-        return replace(self, fraction=fraction)  # type: ignore[type-var]
+        return replace(self, fraction=fraction)
 
 
 @frozen
@@ -82,14 +94,6 @@ class Grid(Spaced, ClosedPath):
     spacing : float
         Distance between particles along rows and columns [px].
     """
-
-    title: ClassVar[str] = "grid"
-
-    spacing: float = 8.0
-
-    def __post_init__(self) -> None:
-        ClosedPath.__post_init__(self)
-        check_spacing(self.spacing, self._lengths)
 
     def seeds(self) -> Array:
         """Return the positions of the particles, shape (N, 2), centered in the area; at least one."""
@@ -114,12 +118,6 @@ class Threshold(OnStrongEdges, ClosedPath):
     fraction : float
         Fraction of the largest edge strength in the area above which a pixel gets a particle.
     """
-
-    fraction: float = 0.3
-
-    def __post_init__(self) -> None:
-        ClosedPath.__post_init__(self)
-        check_number("fraction", self.fraction, 0.0, 1.0)
 
     def seeds_on(self, _image: Image, _channel: str, find_strength: Callable[[], Array]) -> Array:
         """Return the positions of the particles on an image, shape (N, 2); see `Everywhere.seeds_on`."""

@@ -16,7 +16,7 @@ from cpm_core.image.volume_regions import Pair
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Sides, Voxel, frozen
-from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, find_strong_pixels, finest_spacing, place_evenly
+from cpm_core.shapes.areas import OnStrongEdges, Spaced, find_strong_pixels, finest_spacing, place_evenly
 from cpm_core.shapes.ellipse import Round
 from cpm_core.shapes.path import LARGEST_SIZE, WithoutOutline, check_number
 
@@ -161,16 +161,12 @@ class BoxGrid(Spaced, Cuboid):
         Sides of a voxel in the smallest of them.
     """
 
-    title: ClassVar[str] = "grid"
-
-    spacing: float = 8.0
     sides: Voxel = (1.0, 1.0, 1.0)
 
     def __post_init__(self) -> None:
-        Cuboid.__post_init__(self)
         for side in self.sides:
             check_number("sides", side, 1e-3, 1e3)
-        check_spacing(self.spacing, self._lengths)
+        super().__post_init__()
 
     @classmethod
     def from_corners(cls, one: Voxel, other: Voxel, spacing: Sides) -> BoxGrid:
@@ -200,12 +196,6 @@ class BoxThreshold(OnStrongEdges, Cuboid):
     fraction : float
         Fraction of the largest edge strength in the box above which a voxel gets a particle.
     """
-
-    fraction: float = 0.3
-
-    def __post_init__(self) -> None:
-        Cuboid.__post_init__(self)
-        check_number("fraction", self.fraction, 0.0, 1.0)
 
     def seeds_on(self, _image: Image, _channel: str, find_strength: Callable[[], Array]) -> Array:
         """Return the positions of the particles in a volume, shape (N, 3); see `Everywhere.seeds_on`."""

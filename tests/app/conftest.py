@@ -29,6 +29,7 @@ from pytestqt.qtbot import QtBot
 from cpm_core.contours.contour import Contour
 from cpm_core.results import boundaries_result
 from cpm_core.shapes import Circle
+from tests.app.acting import run_to_the_end
 from tests.app.views.window.windows import (
     KEPT,
     Kept,
@@ -316,6 +317,13 @@ def ready(window: MainWindow) -> MainWindow:
     """A window with a circle across the boundary of the disc."""
     window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
     return window
+
+
+@pytest.fixture
+def rested(ready: MainWindow, hand: Hand) -> MainWindow:
+    """A window with a finished run."""
+    run_to_the_end(ready, hand)
+    return ready
 
 
 @pytest.fixture

@@ -3,15 +3,15 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from types import MappingProxyType
 from typing import ClassVar
 
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.text.wording import PARAMETER_FORMULAS
-from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.tasks import opening
+from cpm_app.session.worker import prepared_methods
 from cpm_app.views import layers as canvas_layers
 from cpm_app.views.canvas import canvas_area
 from cpm_app.views.features import edit
@@ -110,7 +110,7 @@ def hand_on(qtbot):
 @pytest.fixture
 def opened(qtbot, request, compiled_loops, image_file):
     """Function that opens a window."""
-    return lambda core=None: another_window(qtbot, request, Workspace(core), image_file)
+    return lambda: another_window(qtbot, request, Workspace(), image_file)
 
 
 def test_a_layer_is_a_class_and_a_place_in_the_list_of_layers(monkeypatch, opened) -> None:
@@ -222,9 +222,10 @@ class Halfway(ImageFields):
         return {"lines": len(state.contours)}
 
 
-def test_a_method_is_a_class_that_the_window_runs_without_knowing_it(opened, hand_on) -> None:
-    core = CoreFunctions(methods=MappingProxyType({**RUN_METHODS, "cpm": Halfway}))
-    window = opened(core)
+def test_a_method_is_a_class_that_the_window_runs_without_knowing_it(monkeypatch, opened, hand_on) -> None:
+    for module in (opening, prepared_methods):
+        monkeypatch.setattr(module, "RUN_METHODS", {**RUN_METHODS, "cpm": Halfway})
+    window = opened()
     window.session.edit("draw", lambda document: edits.add_shape(document, Circle((32.0, 32.0), 10.0)))
     hand = hand_on(window)
     hand.key(Qt.Key.Key_Space)

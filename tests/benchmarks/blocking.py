@@ -22,14 +22,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from cpm_app.model.document import edits
 from cpm_app.model.document.modes import switch_mode
 from cpm_app.model.preferences.table import THEME_PREFERENCE
-from cpm_app.session.features.workspace import Workspace
-from cpm_app.views.application import make_application
-from cpm_app.views.main_window import make_window
 from cpm_app.views.widgets.turns import Turns
 from cpm_app.views.window.window import MainWindow
 
 from cpm_core.shapes import Circle, Sphere
-from tests.app.reading import treat_as_saved
+from tests.benchmarks.window import shown_window
 
 REST, PATIENCE = 0.2, 60.0
 """Time for which nothing happens after what has been done, and the longest that is waited for that [s]."""
@@ -158,22 +155,14 @@ def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:
 
 def measure(only: str) -> None:
     """Do everything in a new window, and print how long the longest turn of it takes."""
-    make_application()
-    workspace = Workspace()
-    window = make_window(workspace)
-    window.resize(1600, 1000)
-    window.show()
-    workspace.session.warm_up()
-    turn(window, lambda: None)
-    with tempfile.TemporaryDirectory() as folder:
+    with shown_window(1600, 1000) as window, tempfile.TemporaryDirectory() as folder:
+        turn(window, lambda: None)
         for works in (in_image, in_volume):
             for what, *work in works(window, Path(folder)):
                 longest = turn(window, *work)
                 if only in what:
                     sys.stdout.write(f"{longest:6.1f} ms  {what}\n")
                     sys.stdout.flush()
-    treat_as_saved(window)  # without a question whether to save
-    window.close()
 
 
 if __name__ == "__main__":

@@ -20,19 +20,18 @@ from pathlib import Path
 
 import numpy as np
 from PySide6.QtCore import QCoreApplication, QEvent, QObject, QTimer
+from PySide6.QtWidgets import QApplication
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from cpm_app.model.document import edits
 from cpm_app.model.state.resolve import INITIAL_PACE_INDEX, RUN_PACES
 from cpm_app.session.exchange.messages import Snapshot
-from cpm_app.session.features.workspace import Workspace
-from cpm_app.views.application import make_application
-from cpm_app.views.main_window import make_window
+from cpm_app.views.window.window import MainWindow
 
 from cpm_core import Parameters
 from cpm_core.shapes import Points
-from tests.app.reading import treat_as_saved
+from tests.benchmarks.window import shown_window
 
 PATIENCE = 300.0
 
@@ -82,11 +81,11 @@ class Pictures(QObject):
         )
 
 
-def wait(application: QCoreApplication, condition) -> None:
+def wait(condition: Callable[[], bool]) -> None:
     """Let the event loop run until a condition holds."""
     end = time.perf_counter() + PATIENCE
     while not condition() and time.perf_counter() < end:
-        application.processEvents()
+        QCoreApplication.processEvents()
         time.sleep(0.001)
 
 
@@ -102,28 +101,25 @@ def engine_time() -> float:
     return (int(fields[11]) + int(fields[12])) / 100.0
 
 
-def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace: float | None) -> None:
-    """Run the window for some seconds from so many particles on, and print the figures."""
-    application = make_application()
-    workspace = Workspace()
-    window, session = make_window(workspace), workspace.session
-    window.resize(1600, 1000)
-    window.show()
+def measure(
+    window: MainWindow, values: np.ndarray, points: Points, least: int, seconds: float, pace: float | None
+) -> None:
+    """Run a new window for some seconds from so many particles on, and print the figures."""
+    application, session = QApplication.instance(), window.session
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "values.npy"
         np.save(path, values)
         session.open_file(path)
-        wait(application, lambda: session.document.image is not None)
-    session.warm_up()
-    wait(application, lambda: session.idle and window.turns.is_idle)
+        wait(lambda: session.document.image is not None)
+    wait(lambda: session.idle and window.turns.is_idle)
     if values.ndim == 3:
-        workspace.slices.go_through((64,) * 3)
+        window.workspace.slices.go_through((64,) * 3)
     else:
         session.edit("few", lambda document: edits.set_parameters(document, Parameters(scales=1)))
     session.edit("grid", lambda document: edits.add_shape(document, points))
     session.set_pace(pace)
     session.run()
-    wait(application, lambda: session.status.count >= least and session.status.step > 0)
+    wait(lambda: session.status.count >= least and session.status.step > 0)
     canvas, flow = window.canvas_area.canvas, window.canvas_area.flow
     views = {"canvas": Pictures(canvas.viewport(), lambda: flow.scene.snapshot.position)}
     if values.ndim == 3:
@@ -149,12 +145,11 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
         ),
     ]
     sys.stdout.write("\n".join(lines) + "\n")
-    treat_as_saved(window)  # without a question whether to save
-    window.close()
 
 
 if __name__ == "__main__":
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
     pace = (float(sys.argv[2]) or None) if len(sys.argv) > 2 else RUN_PACES[INITIAL_PACE_INDEX]
-    measure(disc(), grid((1400,) * 2, 9.9), 0, seconds, pace)
-    measure(balls(), grid((256,) * 3, 16.0), 20_000, seconds, pace)
+    for values, spacing, least in ((disc(), 9.9, 0), (balls(), 16.0, 20_000)):
+        with shown_window(1600, 1000) as window:
+            measure(window, values, grid(values.shape, spacing), least, seconds, pace)

@@ -22,6 +22,8 @@ from pathlib import Path
 import numpy as np
 import scipy
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
 import cpm_core as cpm
 from cpm_core.chunked.chunked_contours import CONTOURS_KIND, ChunkedTask
 from cpm_core.chunked.grid import ChunkedSource, build_grid
@@ -31,23 +33,18 @@ from cpm_core.chunked.store import RunStore
 from cpm_core.cli.workers import connect_to_dask, map_until_finished, run_on_one_core
 from cpm_core.contours.agreement import DEFAULT_TOLERANCE, distances_to_contours
 from cpm_core.contours.contour import Contour, sample_contours
-from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
+from cpm_core.formats.images.ome_zarr import create_multiscale, write_window
 from cpm_core.formats.images.reading import Reading
-from cpm_core.numerics.grids import split_into_tiles
 from cpm_core.numerics.parallel import limit_cores
+from tests.benchmarks.lattice import count_along, draw_part, make, print_verdict
 
-PITCH, REACH, TILE = 94.9, 40, 1024
-NOISE, BLUR = 4.0, 0.8
-
-
-def count_along(side):
-    return int(side / PITCH)
+PITCH, TILE, BLUR = 94.9, 1024, 0.8
 
 
-def nucleus(row, col):
+def nucleus(place):
     """Center, level, and radius at each of some angles, of the nucleus in a place of the lattice."""
-    rng = np.random.default_rng([row, col])
-    center = (np.array([row, col]) + 0.5) * PITCH + rng.uniform(-12.0, 12.0, 2)
+    rng = np.random.default_rng(place)
+    center = (np.array(place) + 0.5) * PITCH + rng.uniform(-12.0, 12.0, 2)
     long, short, turn = rng.uniform(18.0, 26.0), rng.uniform(13.0, 18.0), rng.uniform(0.0, np.pi)
     wave, phase, level = rng.uniform(0.0, 0.06), rng.uniform(0.0, 2.0 * np.pi), rng.uniform(90.0, 190.0)
 
@@ -58,45 +55,17 @@ def nucleus(row, col):
     return center, level, radius
 
 
-def outline(row, col):
+def paint(place):
+    """What `lattice.draw_part` wants of the nucleus in a place."""
+    center, level, radius = nucleus(place)
+    return center, level, lambda at: 1.0 / (1.0 + np.exp((np.hypot(*at) - radius(np.arctan2(*at))) / BLUR))
+
+
+def outline(place):
     """The true boundary of a nucleus."""
-    center, _, radius = nucleus(row, col)
+    center, _, radius = nucleus(place)
     angle = np.linspace(0.0, 2.0 * np.pi, 128, endpoint=False)
     return Contour(center + radius(angle)[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1), True)
-
-
-def part(window, side):
-    """Gray levels in a window."""
-    rng = np.random.default_rng([7, window[0].start, window[1].start])
-    values = rng.standard_normal([s.stop - s.start for s in window], np.float32) * NOISE + 20.0
-    corner = np.array([s.start for s in window])
-    last = count_along(side) - 1
-    first, end = (
-        [min(max(int((at + far) / PITCH), 0), last) for at in ats]
-        for ats, far in (([s.start for s in window], -60), ([s.stop for s in window], 60))
-    )
-    for row in range(first[0], end[0] + 1):
-        for col in range(first[1], end[1] + 1):
-            center, level, radius = nucleus(row, col)
-            low = np.maximum(np.floor(center - corner - REACH), 0).astype(int)
-            high = np.minimum(np.ceil(center - corner + REACH), values.shape).astype(int)
-            if (low < high).all():
-                y, x = np.ogrid[low[0] : high[0], low[1] : high[1]]
-                y, x = y + corner[0] - center[0], x + corner[1] - center[1]
-                inside = 1.0 / (1.0 + np.exp((np.hypot(y, x) - radius(np.arctan2(y, x))) / BLUR))
-                values[low[0] : high[0], low[1] : high[1]] += level * inside
-    return np.clip(np.rint(values), 0, 255).astype(np.uint8)
-
-
-def make(path, side):
-    began = time.perf_counter()
-    levels = create_multiscale(path, (side, side), np.uint8, TILE, (0.25, 0.25), "µm")
-    for window in split_into_tiles((side, side), TILE):
-        write_window(path, 0, window, part(window, side))
-    for level in range(1, levels):
-        for window in split_into_tiles((-(-side // 2**level),) * 2, TILE):
-            halve_window(path, level, window)
-    print(f"{count_along(side) ** 2} nuclei in {time.perf_counter() - began:.0f} s")
 
 
 def judge(side, files):
@@ -106,22 +75,17 @@ def judge(side, files):
         for feature in json.loads(Path(file).read_text())["features"]:
             if feature["properties"]["closed"]:
                 points = np.array(feature["geometry"]["coordinates"][0])[:-1, ::-1] - 0.5
-                place = tuple(np.clip(points.mean(axis=0) // PITCH, 0, count_along(side) - 1).astype(int))
+                place = tuple(np.clip(points.mean(axis=0) // PITCH, 0, count_along(side, PITCH) - 1).astype(int))
                 found.setdefault(place, []).append(Contour(points, True))
-    places = list(np.ndindex(count_along(side), count_along(side)))
-    numbers = np.array([len(found.get(place, [])) for place in places])
+    places = list(np.ndindex((count_along(side, PITCH),) * 2))
     away, back = [], []
     for place in places:
-        mine, true = found.get(place, []), [outline(*place)]
+        mine, true = found.get(place, []), [outline(place)]
         if mine:
             away.append(distances_to_contours(sample_contours(mine), true))
         back.append(distances_to_contours(sample_contours(true), mine))
-    away, back = np.concatenate(away), np.concatenate(back)
-    precision, recall = (away <= DEFAULT_TOLERANCE).mean(), (back <= DEFAULT_TOLERANCE).mean()
-    print(f"{len(places)} nuclei, {numbers.sum()} closed contours: {(numbers == 1).sum()} found once, "
-          f"{(numbers == 0).sum()} missed, {(numbers > 1).sum()} more than once")  # fmt: skip
-    print(f"F {2 * precision * recall / (precision + recall):.5f} within {DEFAULT_TOLERANCE:g} px, "
-          f"{away.mean():.3f} px apart on average, {np.percentile(away, 99):.3f} px for 99 %")  # fmt: skip
+    numbers = [len(found.get(place, [])) for place in places]
+    print_verdict("nuclei", numbers, np.concatenate(away), np.concatenate(back), DEFAULT_TOLERANCE, "px")
 
 
 def speed(path, count):
@@ -172,7 +136,7 @@ def objects(side, core):
     with tempfile.TemporaryDirectory() as folder:
         path, store = Path(folder) / "drawn.zarr", RunStore(Path(folder) / "chunks")
         create_multiscale(path, values.shape, values.dtype, TILE)
-        write_window(path, 0, np.s_[:, :], values)
+        write_window(path, np.s_[:, :], values)
         task = ChunkedTask(ChunkedSource(path, Reading()), parameters, "grid", store, None, True)
         found = run_chunks(task, serial, core)
         several = {}
@@ -206,7 +170,8 @@ if __name__ == "__main__":
     if sys.argv[1] == "objects":
         objects(int(sys.argv[2]), int(sys.argv[3]))
     elif sys.argv[1] == "make":
-        make(Path(sys.argv[2]), int(sys.argv[3]))
+        side = int(sys.argv[3])
+        make(Path(sys.argv[2]), (side, side), TILE, 0.25, lambda window: draw_part(window, side, PITCH, 20.0, paint))
     elif sys.argv[1] == "speed":
         speed(Path(sys.argv[2]), int(sys.argv[3]))
     else:

@@ -17,15 +17,12 @@ import numpy as np
 import psutil
 import scipy
 
-from cpm_core.formats.images.ome_zarr import create_multiscale, halve_window, write_window
-from cpm_core.numerics.grids import split_into_tiles, zero_surface
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-PITCH, REACH, TILE = 97.0, 40, 256
-NOISE, TOLERANCE = 4.0, 2.0
+from cpm_core.numerics.grids import zero_surface
+from tests.benchmarks.lattice import REACH, count_along, draw_part, make, print_verdict
 
-
-def count_along(side):
-    return int(side / PITCH)
+PITCH, TILE, TOLERANCE = 97.0, 256, 2.0
 
 
 def body(place):
@@ -49,36 +46,10 @@ def body(place):
     return center, level, inside
 
 
-def part(window, side):
-    """Gray levels in a window."""
-    rng = np.random.default_rng([7, *(at.start for at in window)])
-    values = rng.standard_normal([at.stop - at.start for at in window], np.float32) * NOISE + 30.0
-    corner = np.array([at.start for at in window])
-    last = count_along(side) - 1
-    lattice = [
-        range(max(int((at.start - REACH) / PITCH) - 1, 0), min(int((at.stop + REACH) / PITCH), last) + 1)
-        for at in window
-    ]
-    for place in np.array(np.meshgrid(*lattice, indexing="ij")).reshape(3, -1).T.tolist():
-        center, level, inside = body(place)
-        low = np.maximum(np.floor(center - corner - REACH), 0).astype(int)
-        high = np.minimum(np.ceil(center - corner + REACH), values.shape).astype(int)
-        if (low < high).all():
-            ranges = (np.arange(a, b) + at - mid for a, b, at, mid in zip(low, high, corner, center, strict=True))
-            positions = np.meshgrid(*ranges, indexing="ij", sparse=True)
-            values[tuple(map(slice, low, high))] += level * np.clip(inside(positions) + 0.5, 0.0, 1.0)
-    return np.clip(np.rint(values), 0, 255).astype(np.uint8)
-
-
-def make(path, side):
-    began = time.perf_counter()
-    levels = create_multiscale(path, (side,) * 3, np.uint8, TILE, (0.5, 0.5, 0.5), "µm")
-    for window in split_into_tiles((side,) * 3, TILE):
-        write_window(path, 0, window, part(window, side))
-    for level in range(1, levels):
-        for window in split_into_tiles((-(-side // 2**level),) * 3, TILE):
-            halve_window(path, level, window)
-    print(f"{count_along(side) ** 3} bodies in {time.perf_counter() - began:.0f} s")
+def paint(place):
+    """What `draw_part` wants of the body in a place."""
+    center, level, inside = body(place)
+    return center, level, lambda at: np.clip(inside(at) + 0.5, 0.0, 1.0)
 
 
 def run(path, files):
@@ -105,7 +76,7 @@ def judge(side, surface, table):
     head, _, rest = Path(surface).read_bytes().partition(b"end_header\n")
     counts = [int(line.split()[2]) for line in head.decode().splitlines() if line.startswith("element")]
     vertices = np.frombuffer(rest, "<f4", 3 * counts[0]).reshape(-1, 3)[:, ::-1] / 0.5
-    last = count_along(side) - 1
+    last = count_along(side, PITCH) - 1
     lattice = np.array(list(np.ndindex((last + 1,) * 3)))
     centers = np.loadtxt(table, delimiter=",", skiprows=1)[:, 3:] / 0.5
     where = (last + 1,) * 3
@@ -123,13 +94,9 @@ def judge(side, surface, table):
         box = np.array([true.min(0), true.max(0)]) + center
         seam = bool((box[0] // TILE != box[1] // TILE).any())
         rows.append((number[at], seam, np.abs(inside(own.T)), back))
-    for name, some in (("across seams", [r for r in rows if r[1]]), ("others", [r for r in rows if not r[1]])):
+    for name, some in (("across seams", [r for r in rows if r[1]]), ("elsewhere", [r for r in rows if not r[1]])):
         found, away, back = np.array([r[0] for r in some]), *(np.concatenate([r[k] for r in some]) for k in (2, 3))
-        precision, recall = (away <= TOLERANCE).mean(), (back <= TOLERANCE).mean()
-        print(f"{name}: {len(some)} bodies, {(found == 1).sum()} found once, {(found == 0).sum()} missed, "
-              f"{(found > 1).sum()} more than once; F {2 * precision * recall / (precision + recall):.5f} within "
-              f"{TOLERANCE:g} voxels, {away.mean():.3f} voxels apart on average, "
-              f"{np.percentile(away, 99):.3f} for 99 %")  # fmt: skip
+        print_verdict(f"bodies {name}", found, away, back, TOLERANCE, "voxels")
 
 
 def _place(positions, last, where):
@@ -140,7 +107,8 @@ def _place(positions, last, where):
 
 if __name__ == "__main__":
     if sys.argv[1] == "make":
-        make(Path(sys.argv[2]), int(sys.argv[3]))
+        side = int(sys.argv[3])
+        make(Path(sys.argv[2]), (side,) * 3, TILE, 0.5, lambda window: draw_part(window, side, PITCH, 30.0, paint))
     elif sys.argv[1] == "run":
         run(sys.argv[2], sys.argv[3:])
     else:

@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -24,13 +25,11 @@ from PySide6.QtTest import QTest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from cpm_app.session.features.workspace import Workspace
-from cpm_app.views.application import make_application
-from cpm_app.views.main_window import make_window
+from cpm_app.views.window.window import MainWindow
 
 from cpm_core.numerics.grids import measure_depth
 from cpm_core.objects import compute_iou
-from tests.app.reading import treat_as_saved
+from tests.benchmarks.window import shown_window
 
 FOUND, RIGHT = 0.5, 0.8
 """Overlaps (intersection over union) with a label from which an object is found, and right."""
@@ -44,14 +43,10 @@ KEYS = {"[": Qt.Key.Key_BracketLeft, "]": Qt.Key.Key_BracketRight}
 class User:
     """Works in a window by mouse and keys, and counts the time."""
 
-    def __init__(self, path: Path, pace: float) -> None:
+    def __init__(self, window: MainWindow, path: Path, pace: float) -> None:
         self.pace, self.waited, self.steps = pace, 0.0, 0
-        self.application, self.workspace = make_application(), Workspace()
-        self.window, self.session = make_window(self.workspace), self.workspace.session
-        self.selection, self.canvas = self.workspace.object_selection, self.window.canvas_area.canvas
-        self.window.resize(1500, 950)
-        self.window.show()
-        self.session.warm_up()
+        self.window, self.session = window, window.session
+        self.selection, self.canvas = window.workspace.object_selection, window.canvas_area.canvas
         self.wait(lambda: self.session.idle)
         self.window.open_image(str(path))
         self.wait(lambda: self.session.image is not None and self.session.idle)
@@ -150,9 +145,10 @@ def main() -> None:
     parser.add_argument("--pace", type=float, default=0.4)
     parser.add_argument("--picture", type=Path)
     given = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
         QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, folder)
-        user = User(given.image, given.pace)
+        window = stack.enter_context(shown_window(1500, 950))
+        user = User(window, given.image, given.pace)
         if given.steps:
             follow(user, given.steps)
             user.report(f"{len(user.masks)} objects")
@@ -167,9 +163,7 @@ def main() -> None:
             )
         if given.picture is not None:
             QTest.qWait(300)
-            user.window.grab().save(str(given.picture))
-        treat_as_saved(user.window)
-        user.window.close()
+            window.grab().save(str(given.picture))
 
 
 if __name__ == "__main__":

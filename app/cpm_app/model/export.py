@@ -235,9 +235,8 @@ def simplify_result(result: Result | Skeleton, order: ExportOrder) -> Result | S
 
 def describe_change(before: Result | Skeleton, after: Result | Skeleton) -> str:
     """Tell how far the surface of a result was moved when it was made simpler; empty if it was not."""
-    if not isinstance(before, Result) or not isinstance(after, Result) or before.surface in (None, after.surface):
+    if before.surface is None or after.surface is None or after.surface is before.surface:
         return ""
-    assert before.surface is not None and after.surface is not None
     change, unit = measure_change(before.surface, after.surface), before.surface.unit or tr("voxels")
     mean, largest = (localize_number(f"{away:.3g}") for away in (change.mean, change.largest))
     return tr("moved by {mean} {unit} on average, {largest} at most", mean=mean, unit=unit, largest=largest)
@@ -255,7 +254,7 @@ def _simplify_contour(contour: Contour, tolerance: float) -> Contour:
 
 def describe_export(result: Result | Skeleton, kind: ExportKind, suffix: str) -> str:
     """Tell what a file with a suffix holds of a result, and what it leaves out."""
-    surface, missing = result.surface if isinstance(result, Result) else None, count_left_out(result, suffix)
+    surface, missing = result.surface, count_left_out(result, suffix)
     if kind == "objects":
         groups = {one.group for one in result.contours}
         count = len(groups if surface is None or surface.numbers is None else set(surface.numbers.tolist()))

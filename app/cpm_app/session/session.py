@@ -23,7 +23,6 @@ from cpm_app.model.volume.slices import Slices
 from cpm_app.session.exchange.mailbox import Pacer
 from cpm_app.session.exchange.messages import (
     CompilationProgress,
-    CoreFunctions,
     ImageOpened,
     ImageReady,
     OpeningFailed,
@@ -81,10 +80,9 @@ class Session(QObject):
     closing = Signal()
     """Threads have to end."""
 
-    def __init__(self, core: CoreFunctions | None = None) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        core = core or CoreFunctions()
-        self._worker_thread = WorkerThread(core)
+        self._worker_thread = WorkerThread()
         self.messages = SessionMessages(self)
         """The messages for the user."""
         self.store = SceneStore(self._worker_thread, self.messages, self)
@@ -106,7 +104,7 @@ class Session(QObject):
         self._timer.setInterval(POLL_INTERVAL)
         self._timer.timeout.connect(self._on_frame)
         self.set_pace(RUN_PACES[INITIAL_PACE_INDEX])
-        self._opener = Opener(core, self.tasks)
+        self._opener = Opener(self.tasks)
         self._mode_before = self.document.mode
         """The mode in use when the image that is being opened was requested."""
         self._asked_scales = self._used_scales = self.document.parameters.scales

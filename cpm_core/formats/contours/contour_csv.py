@@ -46,7 +46,7 @@ def encode_vertices(result: Outcome) -> bytes:
     with its label in the branch mask, without contrast, and with a column ``radius``: the distance to the boundary
     [px]. Provenance is in the first row only, because a table may have a hundred thousand.
     """
-    if not isinstance(result, Skeleton) and result.surface is not None:
+    if result.surface is not None:
         return encode_object_table(result)
     return encode_csv_rows(
         _build_vertex_rows(result), ("contour", "closed", "label", "strength", "vertex", "row", "col")

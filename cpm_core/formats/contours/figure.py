@@ -9,7 +9,6 @@ from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.provenance import Outcome, describe_provenance, dump_provenance
 from cpm_core.image.drawing import FIGURE_FORMATS, new_figure, render_figure
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.results.result import Result
 
 
 def write_figure(
@@ -54,8 +53,7 @@ def write_figure(
 
 def encode_figure(suffix: str, result: Outcome, **drawn: bool) -> bytes:
     """Encode the figure of `write_figure` in the format of a suffix; `drawn` is passed to `Result.plot`."""
-    surface = result.surface if isinstance(result, Result) else None
-    figure, ax = new_figure(result.shape if surface is None else None, result.spacing)
+    figure, ax = new_figure(result.shape if result.surface is None else None, result.spacing)
     if isinstance(result, Skeleton):
         result.plot(ax, image=drawn.get("image", True), scale_bar=drawn.get("scale_bar", True))
     else:

@@ -37,7 +37,7 @@ def build_features(result: Outcome) -> list[JsonDict]:
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
     for contour, row in zip(result.contours, rows, strict=True):
-        if row.inside and contour.closed and len(contour.points) > 2:
+        if row.inside and contour.encloses_area:
             holes.setdefault(row.inside, []).append(contour)
     return [
         {
@@ -84,7 +84,7 @@ def _build_geometry(contour: Contour, holes: Contours) -> JsonDict:
     from shapely.geometry import LineString, Point, Polygon, mapping
     from shapely.geometry.polygon import orient
 
-    if contour.closed and len(contour.points) > 2:
+    if contour.encloses_area:
         return dict(mapping(orient(Polygon(to_xy_pairs(contour.points), [to_xy_pairs(hole.points) for hole in holes]))))
     kind = LineString if len(contour.points) > 1 else Point
     return dict(mapping(kind(to_xy_pairs(contour.path if kind is LineString else contour.points))))

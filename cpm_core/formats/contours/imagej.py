@@ -102,7 +102,7 @@ def encode_contour_roi(contour: Contour, number: int, properties: str, **place: 
     Coordinates have subpixel resolution. ImageJ counts those of polygons from the corner of a pixel and those of lines
     and points from its center.
     """
-    areal = contour.closed and len(contour.points) > 2
+    areal = contour.encloses_area
     points = contour.points if areal or not contour.closed else contour.path
     xy = (points[:, ::-1] + (0.5 if areal else 0.0)).astype(np.float32)
     # the corners of the box are stored as 16-bit integers

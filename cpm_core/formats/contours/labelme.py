@@ -115,7 +115,7 @@ def _split_rings(corners: Array) -> list[Array]:
 
 def _choose_shape_type(contour: Contour) -> str:
     """Choose the type of shape for a contour."""
-    if contour.closed and len(contour.points) > 2:
+    if contour.encloses_area:
         return "polygon"
     return "linestrip" if len(contour.points) > 1 else "point"
 

@@ -140,7 +140,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
     groups = group_series(frames, name, partial(decode_frames, name))
     series = sorted((one for group in groups for one in group), key=lambda one: (one.series, -one.shape[0]))
     titles = tuple(title for one in series for title in one.series)
-    number = select_series(reading.series, titles, int(np.argmax([one.times * one.shape[0] for one in series])), name)
+    number = select_series(reading, titles, name, int(np.argmax([one.times * one.shape[0] for one in series])))
     chosen = series[number]
     notes = []
     if len(groups) > 1 and reading.series is None:

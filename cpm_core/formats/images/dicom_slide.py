@@ -97,7 +97,7 @@ def open_slide(name: str, chosen: Path, files: Iterable[Path], reading: Reading)
         return None
     levels.sort(key=lambda level: -level.shape[2])
     titles = {level.series: make_printable(level.title) for level in levels}
-    number = select_series(reading.series, tuple(titles.values()), 0, name)
+    number = select_series(reading, tuple(titles.values()), name)
     arrays = [level for level in levels if level.series == list(titles)[number]]
     spacing, unit = resolution.spacing_from_sizes(arrays[0].sides[1:], 2 * [resolution.MICROMETER])
     deep = arrays[0].sides[0] if unit else 0.0

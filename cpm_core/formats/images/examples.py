@@ -39,12 +39,12 @@ def example(name: str = "disk") -> Image:
     >>> cpm.example("ball").shape
     (31, 31, 31)
     """
-    disk, fog = _draw_disk(32, 32, 20.0), np.exp(-0.5 * (_distance_from(32, 52) / 6.0) ** 2)
+    disk, fog = _draw_disk(32, 20.0), np.exp(-0.5 * (_distance_from(32, 52) / 6.0) ** 2)
     red = disk / _BRIGHT_LEVEL
     drawn: dict[str, Numbers] = {
         "disk": disk,
-        "ring": _draw_disk(32, 32, 24.0) - _draw_disk(32, 32, 10.0),
-        "disks": _draw_disk(32, 18, 10.0) + _draw_disk(32, 46, 10.0),
+        "ring": _draw_disk(32, 24.0) - _draw_disk(32, 10.0),
+        "disks": _draw_disk(18, 10.0) + _draw_disk(46, 10.0),
         "gap": disk * (1.0 - fog) + 0.5 * _BRIGHT_LEVEL * fog,
         "colors": np.stack([40 + 180 * red, 140 - 90 * red, 60 + 0 * red], axis=-1).astype(np.uint8),
         "ball": _BRIGHT_LEVEL * _smooth_step(np.linalg.norm(np.indices((31, 31, 31)) - 15.0, axis=0), 9.0),
@@ -66,6 +66,6 @@ def _distance_from(row: float, col: float) -> Array:
     return np.hypot(*(np.indices((64, 64)) - np.array([row, col])[:, None, None]))
 
 
-def _draw_disk(row: float, col: float, radius: float) -> Array:
-    """Draw a disk, shape (64, 64)."""
-    return _BRIGHT_LEVEL * _smooth_step(_distance_from(row, col), radius)
+def _draw_disk(col: float, radius: float) -> Array:
+    """Draw a disk halfway down, shape (64, 64)."""
+    return _BRIGHT_LEVEL * _smooth_step(_distance_from(32, col), radius)

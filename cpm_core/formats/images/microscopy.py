@@ -134,7 +134,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
     with open_file(path) as file:
         scenes = [scene._replace(name=make_printable(scene.name)) for scene in list_scenes(file)]
     names = tuple(scene.name for scene in scenes)
-    number = select_series(reading.series, names, 0, name)
+    number = select_series(reading, names, name)
     scene = scenes[number]
     roles = _assign_roles(scene.sizes, name)
     size = {role: scene.sizes[axis] for role, axis in roles.items()}

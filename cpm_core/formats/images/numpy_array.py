@@ -92,7 +92,7 @@ def _read_array_header(path: Path, reading: Reading, name: str) -> tuple[Extent,
             "a number or a name.",
             tuple(images),
         )
-    at = select_series(reading.series, names, images[0] if images else 0, name)
+    at = select_series(reading, names, name, images[0] if images else 0)
     shape, kind = headers[at]
     return shape, kind, names, at
 

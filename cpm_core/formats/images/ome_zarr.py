@@ -59,7 +59,7 @@ def open_multiscale(path: Path, reading: Reading = Reading()) -> MultiscaleImage
         if _find_multiscales(found)
         else tuple(sorted((key for key, _ in found.groups()), key=lambda key: (len(key), key)))
     )
-    number = select_series(reading.series, series, 0, name) if series else 0
+    number = select_series(reading, series, name) if series else 0
     group = found[series[number]] if series else found
     scales = _find_multiscales(group)
     if not scales:
@@ -142,11 +142,11 @@ def create_multiscale(
     return count
 
 
-def write_window(path: Path, level: int, window: Window, values: NDArray[Any]) -> None:
-    """Write a window of a level; `values` has the shape of the window."""
+def write_window(path: Path, window: Window, values: NDArray[Any]) -> None:
+    """Write a window of the finest level; `values` has the shape of the window."""
     import zarr
 
-    zarr.open_group(path, mode="r+")[str(level)][window] = values
+    zarr.open_group(path, mode="r+")["0"][window] = values
 
 
 def halve_window(path: Path, level: int, window: Window) -> None:

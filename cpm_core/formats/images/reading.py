@@ -102,8 +102,9 @@ def select_index(what: str, wanted: int | None, count: int, default: int, name: 
     return wanted - 1
 
 
-def select_series(wanted: int | str | None, names: Texts, default: int, file: str) -> int:
-    """Return the index of a series given by number or name; UnreadableError if there is none."""
+def select_series(reading: Reading, names: Texts, file: str, default: int = 0) -> int:
+    """Return the index of the series that is wanted by number or name; UnreadableError if there is none."""
+    wanted = reading.series
     if isinstance(wanted, str):
         if wanted in names:
             return names.index(wanted)

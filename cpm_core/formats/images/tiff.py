@@ -94,7 +94,7 @@ def open_image_file(path: Path, reading: Reading) -> Stack:
     with tifffile.TiffFile(path) as file:
         all_series = _list_series(file)
         names = tuple(str(one.name) for one in all_series)
-        number = select_series(reading.series, names, 0, name)
+        number = select_series(reading, names, name)
         series = all_series[number]
         if series.dtype is None or min(series.shape) < 1:
             raise ValueError("it has no pixels")

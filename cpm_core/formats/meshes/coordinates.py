@@ -21,7 +21,6 @@ from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Sides, Single, Texts, frozen
 from cpm_core.parameters import DEFAULT_VALUES
-from cpm_core.results.result import Result
 
 _POSITION_TOLERANCE = 1e-3
 """Largest rounding error of a position in a file [smallest side of a voxel]."""
@@ -66,7 +65,7 @@ class ExportMesh(NamedTuple):
 
 def build_mesh(result: Outcome, space: Convention = "LPS") -> ExportMesh:
     """Build the mesh of a result in LPS or RAS; ValueError when it has no surface."""
-    surface = result.surface if isinstance(result, Result) else None
+    surface = result.surface
     if surface is None or not len(surface.faces):
         raise ValueError(f"{result.source} has no surface: only runs on volumes find one.")
     facts = describe_provenance(result)

@@ -138,7 +138,7 @@ class ClosedRegions:
     """
 
     def __init__(self, contours: Sequence[Contour], values: Array, smoothing: float | Literal["auto"] = "auto") -> None:
-        closed = [contour for contour in contours if contour.closed and len(contour.points) > 2]
+        closed = [contour for contour in contours if contour.encloses_area]
         self._contours = sorted(closed, key=lambda contour: contour.area)
         self._values, self._smoothing = values, smoothing
         self._regions_by_contour: dict[int, ClosedRegion | None] = {}

@@ -6,13 +6,13 @@ import json
 import os
 from pathlib import Path
 
-from cpm_app.model.document import edits
 from cpm_app.session.storage.recovery import JOURNAL_KEY, find_leftovers, journals_folder
 from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
 from PySide6.QtWidgets import QMessageBox
 
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
+from tests.app.acting import draw_circle
 
 
 def leave(folder: Path, image: Path, name: str = "left.cpm", session: str = "") -> Path:
@@ -24,10 +24,6 @@ def leave(folder: Path, image: Path, name: str = "left.cpm", session: str = "") 
         SessionFile(ImageFile(str(image)), shapes, extra={JOURNAL_KEY: {"session": session, "name": name}}), path
     )
     return path
-
-
-def draw(window, row: float = 20.0) -> None:
-    window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((row, 30.0), 9.0)))
 
 
 def journal(window):
@@ -53,14 +49,14 @@ def press(box: QMessageBox, text: str) -> None:
 
 def test_a_change_is_in_the_journal_a_moment_later_by_itself(window, hand) -> None:
     journal(window)._timer.setInterval(20)
-    draw(window)
+    draw_circle(window)
     hand.wait(journal(window).path.exists)
     journal(window).flush()
     assert load_session(journal(window).path).shapes == window.session.document.shapes
 
 
 def test_the_journal_goes_when_the_work_is_saved_taken_back_or_closed(window, hand, tmp_path) -> None:
-    draw(window)
+    draw_circle(window)
     assert written(window).exists()
     window.session.undo()
     assert not written(window).exists()
@@ -69,7 +65,7 @@ def test_the_journal_goes_when_the_work_is_saved_taken_back_or_closed(window, ha
     window.get_feature(OpenSaveFeature).document_file.save(tmp_path / "a.cpm")
     hand.wait(lambda: not window.get_feature(OpenSaveFeature).document_file.unsaved)
     assert not written(window).exists()
-    draw(window, 40.0)
+    draw_circle(window, 40.0)
     assert written(window).exists()
     window.close()
     assert list(journals_folder().iterdir()) == []
@@ -91,7 +87,7 @@ def test_nothing_is_written_where_nothing_would_be_lost(window) -> None:
 
 
 def test_the_journal_of_an_open_window_is_not_offered(window) -> None:
-    draw(window)
+    draw_circle(window)
     assert written(window).exists()
     assert find_leftovers(journals_folder())[0] == []
     assert offer(window) is None

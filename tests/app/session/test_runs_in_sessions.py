@@ -8,10 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.session.worker.commands import call_run
 from cpm_app.session.worker.run import Run
-from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolButton
@@ -19,17 +17,12 @@ from PySide6.QtWidgets import QToolButton
 from cpm_core.formats.sessions.recorded_run import restore_shown_state
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
+from tests.app.acting import run_to_the_end
+from tests.app.reading import document_file, navigation
 
 pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
-
-
-def run_to_the_end(window, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: window.session.idle)
 
 
 @pytest.fixture
@@ -46,17 +39,9 @@ def steered(ready, hand):
     return ready
 
 
-def navigation(window):
-    return window.get_feature(TimelineFeature).navigation
-
-
-def file_of(window) -> DocumentFile:
-    return window.get_feature(OpenSaveFeature).document_file
-
-
 def saved(window, hand, path: Path) -> Path:
-    file_of(window).save(path)
-    hand.wait(lambda: path.exists() and not file_of(window).unsaved and window.session.idle)
+    document_file(window).save(path)
+    hand.wait(lambda: path.exists() and not document_file(window).unsaved and window.session.idle)
     return path
 
 
@@ -92,7 +77,7 @@ def test_what_was_seen_is_there_again(steered, hand, tmp_path) -> None:
     status = steered.session.status
     assert (status.phase, status.stale, status.steered) == ("finished", False, False)
     np.testing.assert_array_equal(steered.session.scene.snapshot.metrics.epsilon, figures.epsilon)
-    assert not file_of(steered).unsaved
+    assert not document_file(steered).unsaved
 
 
 def test_every_step_and_its_steering_can_be_gone_back_to(steered, hand, tmp_path) -> None:
@@ -268,13 +253,13 @@ def test_the_truth_comes_back(ready, hand, tmp_path) -> None:
 def test_a_run_that_running_again_gives_is_no_work_and_a_steered_one_is(ready, hand, tmp_path) -> None:
     saved(ready, hand, tmp_path / "a.cpm")
     run_to_the_end(ready, hand)
-    assert file_of(ready).unsaved_parts == ()
+    assert document_file(ready).unsaved_parts == ()
     navigation(ready).go_to(1, 10)
     hand.wait(lambda: ready.session.idle and ready.session.status.step == 10)
     ready.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.4))
     run_to_the_end(ready, hand)
-    assert file_of(ready).unsaved_parts == ("the parameters", "the runs")
+    assert document_file(ready).unsaved_parts == ("the parameters", "the runs")
     ready.session.undo()
-    assert file_of(ready).unsaved_parts == ("the runs",)
+    assert document_file(ready).unsaved_parts == ("the runs",)
     saved(ready, hand, tmp_path / "a.cpm")
-    assert file_of(ready).unsaved_parts == ()
+    assert document_file(ready).unsaved_parts == ()

@@ -22,8 +22,9 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QMessageBox
 
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.objects.segmented import SegmentedObject
-from cpm_core.shapes import Circle, PolygonRegion
-from tests.app.reading import treat_as_saved
+from cpm_core.shapes import PolygonRegion
+from tests.app.acting import draw_circle
+from tests.app.reading import document_file, treat_as_saved
 
 pytestmark = pytest.mark.shared_window
 
@@ -37,14 +38,6 @@ def saved_to(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     path = tmp_path / "work.cpm"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path.with_suffix("")), ""))
     return path
-
-
-def document_file(window: MainWindow):
-    return window.get_feature(OpenSaveFeature).document_file
-
-
-def draw(window: MainWindow, row: float = 20.0) -> None:
-    window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((row, 30.0), 9.0)))
 
 
 def drop(window: MainWindow, *paths: Path) -> None:
@@ -126,7 +119,7 @@ def test_saving_again_asks_for_no_file_and_saving_as_keeps_to_the_new_one(
     hand.wait(lambda: not document_file(ready).unsaved)
     second = tmp_path / "second.cpm"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: pytest.fail("asked"))
-    draw(ready)
+    draw_circle(ready)
     hand.key(KEY.Key_S, CTRL)
     hand.wait(lambda: not document_file(ready).unsaved)
     assert len(load_session(saved_to).shapes) == 2
@@ -134,7 +127,7 @@ def test_saving_again_asks_for_no_file_and_saving_as_keeps_to_the_new_one(
     hand.key(KEY.Key_S, CTRL | SHIFT)
     hand.wait(second.exists)
     hand.wait(lambda: document_file(ready).path == second)
-    draw(ready)
+    draw_circle(ready)
     hand.key(KEY.Key_S, CTRL)
     hand.wait(lambda: not document_file(ready).unsaved)
     assert len(load_session(second).shapes) == 3
@@ -148,7 +141,7 @@ def test_each_save_writes_what_was_there_when_it_was_ordered(ready, hand, tmp_pa
     for path in paths:
         document_file(ready).save(path)
         shapes.append(ready.session.document.shapes)
-        draw(ready, 10.0 + 10.0 * len(shapes))
+        draw_circle(ready, 10.0 + 10.0 * len(shapes))
     hand.wait(lambda: ready.session.idle and all(path.exists() for path in paths))
     assert [load_session(path).shapes for path in paths] == shapes
     assert document_file(ready).path == paths[-1]
@@ -181,7 +174,7 @@ def test_what_another_version_has_added_survives_saving(ready, hand, saved_to) -
     saved_to.write_text(json.dumps({**plain, "weather": 3, "mode": "shape"}))
     drop(ready, saved_to)
     hand.wait(lambda: ready.session.idle)
-    draw(ready)
+    draw_circle(ready)
     hand.key(KEY.Key_S, CTRL)
     hand.wait(lambda: not document_file(ready).unsaved)
     again = json.loads(saved_to.read_text())
@@ -241,7 +234,7 @@ def test_closing_overtakes_no_save_and_does_not_ask_again(ready, asked, tmp_path
         while not began.is_set():
             QApplication.processEvents()
     if already == "ordered twice":
-        draw(ready)
+        draw_circle(ready)
         document_file(ready).save(path)
     expected = ready.session.document.shapes
     ready.close()
@@ -261,7 +254,7 @@ def test_a_save_that_fails_or_has_no_path_keeps_the_window(ready, hand, asked, m
 
 
 def test_there_is_no_question_where_nothing_would_be_lost(window, asked, hand, saved_to) -> None:
-    draw(window)
+    draw_circle(window)
     document_file(window).save(saved_to)
     hand.wait(lambda: not document_file(window).unsaved)
     assert window.close()

@@ -13,8 +13,9 @@ from cpm_app.session.worker.reconstruction import ReconstructionRequest
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.items.discs import Discs
-from cpm_app.views.layers.layer import NoRequests
 from PySide6.QtCore import QCoreApplication, QEvent, Qt
+
+from tests.app.reading import contour_counts
 
 pytestmark = pytest.mark.shared_window
 
@@ -22,26 +23,17 @@ pytestmark = pytest.mark.shared_window
 @pytest.fixture
 def other(window) -> Iterator[ImageView]:
     """A second view, which has not followed the session from the beginning."""
-    made = ImageView(NoRequests())
+    made = ImageView()
     made.resize(200, 200)
     yield made
     made.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
-@pytest.fixture
-def rested(ready, hand):
-    """A window whose run is over."""
-    hand.key(Qt.Key.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle)
-    return ready
-
-
 def test_a_view_that_comes_late_shows_all_that_the_canvas_shows(rested, hand, other) -> None:
     other.draw_scene(rested.session.scene)
     layers, expected = other.layers, hand.canvas.layers
-    assert layers.contours.counts == expected.contours.counts == (1, 0)
+    assert contour_counts(layers.contours) == contour_counts(expected.contours) == (1, 0)
     np.testing.assert_array_equal(layers.particles.position, expected.particles.position)
     assert len(layers.particles.position) > 10
     np.testing.assert_array_equal(layers["image"].shades, expected["image"].shades)
@@ -51,8 +43,8 @@ def test_a_view_that_comes_late_shows_all_that_the_canvas_shows(rested, hand, ot
 def test_another_scene_on_another_view_leaves_the_session_and_its_canvas_alone(rested, hand, other) -> None:
     before, count = rested.session.scene, hand.canvas.layers.particles.count
     other.draw_scene(replace(before, snapshot=None, reconstruction=None))
-    assert (other.layers.particles.count, other.layers.contours.counts) == (0, (0, 0))
-    assert (hand.canvas.layers.particles.count, hand.canvas.layers.contours.counts) == (count, (1, 0))
+    assert (other.layers.particles.count, contour_counts(other.layers.contours)) == (0, (0, 0))
+    assert (hand.canvas.layers.particles.count, contour_counts(hand.canvas.layers.contours)) == (count, (1, 0))
     assert rested.session.scene is before
 
 
@@ -82,7 +74,7 @@ def test_another_image_leaves_nothing_of_the_one_before_in_the_scene(rested, han
     for part in ("snapshot", "skeleton", "truth", "probed", "selected_shape", "hovered_contour"):
         assert getattr(scene, part) is None, part
     assert (scene.contours, scene.differences, scene.selected_contours) == (empty.contours, (), frozenset())
-    assert hand.canvas.layers.contours.counts == (0, 0)
+    assert contour_counts(hand.canvas.layers.contours) == (0, 0)
 
 
 def test_the_window_says_that_contours_are_made_while_that_takes_long(ready, hand, monkeypatch) -> None:

@@ -12,13 +12,11 @@ from cpm_app.views.features.files import RecoveryFeature
 
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle
-from tests.app.session.test_recovery import draw, journal, leave, offer, press, written
+from tests.app.acting import draw_circle
+from tests.app.reading import shown_message
+from tests.app.session.test_recovery import journal, leave, offer, press, written
 
 PLAIN = {"cpm-session": 3, "image": {"path": "a.png"}, JOURNAL_KEY: {"name": "a"}}
-
-
-def said(window) -> str:
-    return window.canvas_area.messages.text
 
 
 UNREADABLE = {
@@ -40,7 +38,7 @@ def test_a_journal_that_cannot_be_read_is_set_aside_and_the_window_says_where(wi
     assert offer(window) is None
     kept = path.with_suffix(".unreadable")
     assert kept.read_bytes() == content
-    assert str(kept) in said(window)
+    assert str(kept) in shown_message(window)
     assert not path.exists()
     assert find_leftovers(journals_folder())[1] == []
 
@@ -57,8 +55,8 @@ def test_one_failing_read_leaves_a_journal_where_it_is_for_the_next_start(window
     with monkeypatch.context() as broken:
         broken.setattr(Path, "open", refuse)
         assert offer(window) is None
-    assert "Input/output error" in said(window)
-    assert str(left) in said(window)
+    assert "Input/output error" in shown_message(window)
+    assert str(left) in shown_message(window)
     assert "left.cpm" in offer(window).text()
 
 
@@ -67,7 +65,7 @@ def test_work_that_could_not_be_restored_is_not_deleted_by_opening_a_session(
 ) -> None:
     left = leave(journals_folder(), tmp_path / "gone.png")
     press(offer(window), "Restore")
-    hand.wait(lambda: "gone.png" in said(window))
+    hand.wait(lambda: "gone.png" in shown_message(window))
     save_session(SessionFile(ImageFile(str(image_file)), (Circle((9.0, 9.0), 4.0),)), tmp_path / "other.cpm")
     window.session.open_file(tmp_path / "other.cpm")
     hand.wait(lambda: len(window.session.document.shapes) == 1)
@@ -92,21 +90,21 @@ def test_work_that_no_journal_can_take_is_said_once_and_taken_back(window, hand,
 
     with monkeypatch.context() as full:
         full.setattr(recovery, "save_session", refuse)
-        draw(window)
+        draw_circle(window)
         journal(window).write()
-        hand.wait(lambda: "No space left on device." in said(window))
-        assert said(window).startswith("Unsaved work cannot be protected")
+        hand.wait(lambda: "No space left on device." in shown_message(window))
+        assert shown_message(window).startswith("Unsaved work cannot be protected")
         window.canvas_area.messages.dismiss_message()
         journal(window).write()
         journal(window).flush()
     written(window)
-    hand.wait(lambda: said(window) == "")
+    hand.wait(lambda: shown_message(window) == "")
 
 
 def test_a_folder_that_takes_no_journal_is_said(window, hand) -> None:
     journals_folder().parent.mkdir(parents=True, exist_ok=True)
     journals_folder().write_text("a file in its place")
-    draw(window)
+    draw_circle(window)
     journal(window).write()
-    hand.wait(lambda: journals_folder().name in said(window))
+    hand.wait(lambda: journals_folder().name in shown_message(window))
     assert window.get_feature(RecoveryFeature).close()

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.export import ExportFile, ExportOrder
-from cpm_app.session.exchange.messages import CommandFailed, CompilationProgress, CoreFunctions, Report, WarmedUp
+from cpm_app.session.exchange.messages import CommandFailed, CompilationProgress, Report, WarmedUp
 from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.tasks import opening
 from cpm_app.session.tasks.tasks import BackgroundTask, Cancelled, TaskManager
 from cpm_app.session.worker.commands import WorkerCommand
 from cpm_app.views.application import make_application
@@ -109,7 +110,7 @@ class Gated:
     def __init__(self) -> None:
         self.gate = threading.Event()
 
-    def __call__(self, path: Path, check_cancelled: Callable[[], object]) -> Image:
+    def __call__(self, path: Path, check_cancelled: Callable[[], object], **_: object) -> Image:
         if path.name.startswith("slow"):
             assert self.gate.wait(20)
         return load_image(path, check_cancelled=check_cancelled)
@@ -121,8 +122,11 @@ def reader() -> Gated:
 
 
 @pytest.fixture
-def workspace(qapp: QObject, compiled_loops: None, reader: Gated) -> Iterator[Workspace]:
-    made = Workspace(CoreFunctions(load_image=reader))
+def workspace(
+    qapp: QObject, compiled_loops: None, reader: Gated, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Workspace]:
+    monkeypatch.setattr(opening, "load_image", reader)
+    made = Workspace()
     made.session.set_pace(None)
     yield made
     reader.gate.set()

@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,6 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.export import ExportFile, ExportOrder
 from cpm_app.session.exchange.mailbox import Mailbox
 from cpm_app.session.exchange.messages import (
-    CoreFunctions,
     ImageOpened,
     Reconstruction,
     RunContinued,
@@ -24,6 +24,7 @@ from cpm_app.session.exchange.messages import (
     Snapshot,
 )
 from cpm_app.session.tasks.tasks import BackgroundTask
+from cpm_app.session.worker import commands, prepared_methods
 from cpm_app.session.worker.commands import (
     WorkerCommand,
     call_run,
@@ -156,18 +157,17 @@ class FakeEngine:
 class Bench:
     """A runner on fake engines."""
 
-    def __init__(self) -> None:
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.engines: list[FakeEngine] = []
         self.warm = threading.Event()
         self.hold = threading.Event()
         self.hold.set()
-        core = CoreFunctions(
-            load_image=self._load,
-            methods={"cpm": self._build},
-            encode=self._encode,
-            warm_up=self._warm_up,
-        )
-        self.worker_thread = WorkerThread(core)  # type: ignore[arg-type]
+        self._build = partial(FakeEngine, made=self.engines)
+        self._build.seeded = True  # type: ignore[attr-defined]
+        monkeypatch.setattr(prepared_methods, "RUN_METHODS", {"cpm": self._build})
+        monkeypatch.setattr(commands, "to_bytes", self._encode)
+        monkeypatch.setattr(commands, "warm_up_runs", self._warm_up)
+        self.worker_thread = WorkerThread()
         self.reports: list[object] = []
         self.written: list[object] = []
         self.shown: Reconstruction | None = None
@@ -176,18 +176,12 @@ class Bench:
         self.written.append(result)
         return b""
 
-    def _load(self, path: Path, check_cancelled: Callable[[], object] = lambda: None) -> Image:
-        return Image(np.eye(64), source=path.name)
-
-    def _build(self, image: Image, parameters: Parameters, regions: Regions | None) -> FakeEngine:
-        return FakeEngine(image, parameters, regions, self.engines)
-
     def _warm_up(self, unwanted: Callable[[], bool], told: Callable[[float], object]) -> None:
         assert self.hold.wait(20)
         self.warm.set()
 
     def open(self, generation: int = 1) -> FakeEngine:
-        image = self._load(Path("good.png"))
+        image = Image(np.eye(64), source="good.png")
         engine = self._build(image, Parameters(), None)
         opened = ImageOpened(image, engine, None, Path("good.png"), Parameters(), ())  # type: ignore[arg-type]
         self.worker_thread.post_command(call_run(None, Run.use_image, generation, opened.method, opened.parameters))
@@ -236,8 +230,8 @@ class Bench:
 
 
 @pytest.fixture
-def bench() -> Iterator[Bench]:
-    made = Bench()
+def bench(monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
+    made = Bench(monkeypatch)
     yield made
     for engine in made.engines:
         engine.gate.set()
@@ -425,14 +419,15 @@ def test_commands_that_are_left_out_change_nothing(picked: list[int]) -> None:
         return makers[choice]()
 
     ends = []
-    for every in (True, False):
-        bench = Bench()
-        bench.run_to_the_end(2)
-        commands = [make(number, choice) for number, choice in enumerate(picked)]
-        while_busy(bench, (replace(command, kind=None) if every else command for command in commands))
-        run = bench.worker_thread.run
-        ends.append((run.parameters, run.charges, run.method.regions, run.state.betas, run.timeline.current_step))
-        bench.worker_thread.close()
+    with pytest.MonkeyPatch.context() as patch:
+        for every in (True, False):
+            bench = Bench(patch)
+            bench.run_to_the_end(2)
+            commands = [make(number, choice) for number, choice in enumerate(picked)]
+            while_busy(bench, (replace(command, kind=None) if every else command for command in commands))
+            run = bench.worker_thread.run
+            ends.append((run.parameters, run.charges, run.method.regions, run.state.betas, run.timeline.current_step))
+            bench.worker_thread.close()
     assert ends[0] == ends[1]
 
 

@@ -6,10 +6,11 @@ import argparse
 import time
 from collections.abc import Sequence
 
+from cpm_core.cli.bench import describe_machine
 from cpm_core.formats import load_image
 from tests.benchmarks.speed.growth import table
 from tests.benchmarks.speed.measurement import QUICK, UNHURRIED, Measurement
-from tests.benchmarks.speed.table import machine, measurements
+from tests.benchmarks.speed.table import measurements
 
 _WHAT, _TIME, _PEER = 44, 11, 40
 """Widths of the table's columns [characters]."""
@@ -28,7 +29,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         return
     image = None if arguments.image is None else load_image(arguments.image)
     began = time.perf_counter()
-    print(", ".join(f"{name} {value}" for name, value in machine().items()))
+    print(", ".join(f"{name} {value}" for name, value in describe_machine().items()))
     print(f"{'':{_WHAT}}{'ours':>{_TIME}}  {'peer':{_PEER}}{'':>{_TIME}}  ours/peer")
     for row in measurements(QUICK if arguments.quick else UNHURRIED, image):
         print(line(row), flush=True)

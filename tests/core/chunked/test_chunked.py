@@ -51,7 +51,7 @@ def small():
 
 def write(path, values):
     ome_zarr.create_multiscale(path, values.shape, values.dtype, SIDE, (0.5, 0.5), "µm")
-    ome_zarr.write_window(path, 0, np.s_[:, :], values)
+    ome_zarr.write_window(path, np.s_[:, :], values)
     return grids.ChunkedSource(path, Reading())
 
 
@@ -282,7 +282,7 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
     monkeypatch.setattr(stack, "MAXIMUM_PIXELS", 2**19)
     values = np.arange(1200 * 800, dtype=np.uint32).reshape(1200, 800)
     ome_zarr.create_multiscale(tmp_path / "x.zarr", values.shape, values.dtype, SIDE)
-    ome_zarr.write_window(tmp_path / "x.zarr", 0, np.s_[:, :], values)
+    ome_zarr.write_window(tmp_path / "x.zarr", np.s_[:, :], values)
     ome_zarr.halve_window(tmp_path / "x.zarr", 1, np.s_[0:600, 0:400])
     small = cpm.load_image(tmp_path / "x.zarr")
     assert (small.values == values[::2, ::2]).all()
@@ -296,7 +296,7 @@ def test_an_image_of_10_000_000_000_pixels_is_opened_in_little_memory(tmp_path):
     path, side, place = tmp_path / "slide.zarr", 100_000, np.s_[51200:51328, 98304:98432]
     values = np.random.default_rng(2).integers(1, 256, (128, 128), np.uint8)
     count = ome_zarr.create_multiscale(path, (side, side), np.uint8, 1024)
-    ome_zarr.write_window(path, 0, place, values)
+    ome_zarr.write_window(path, place, values)
     for level in range(1, count):
         ome_zarr.halve_window(path, level, tuple(slice(s.start >> level, -(-s.stop >> level)) for s in place))
     assert sum(file.stat().st_size for file in path.rglob("*")) < 2**20  # what is missing is black

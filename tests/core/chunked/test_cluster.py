@@ -40,7 +40,7 @@ def test_a_killed_run_is_continued_by_the_same_command(tmp_path, shape, pitch, c
     away = np.sqrt(((np.indices(shape) % pitch - pitch // 2) ** 2).sum(axis=0))
     image = (120 * (away < 0.2 * pitch) + 20).astype(np.uint8)
     create_multiscale(tmp_path / "cells.zarr", image.shape, image.dtype, 1024 if len(shape) == 2 else 256)
-    write_window(tmp_path / "cells.zarr", 0, tuple(slice(n) for n in shape), image)
+    write_window(tmp_path / "cells.zarr", tuple(slice(n) for n in shape), image)
     command = [sys.executable, "-m", "cpm_app", "run", "cells.zarr", "--auto", "gradient", "--workers", "2"]
     command += ["--scales", "1", "--smoothing", "1.5", "--export", "labels.zarr", "cells.csv"]
     chunks, name = tmp_path / "labels.zarr.cpm-chunks", "contours_*" if len(shape) == 2 else "particles_*"

@@ -45,7 +45,7 @@ BODIES = 5
 
 def write(path, values):
     ome_zarr.create_multiscale(path, values.shape, values.dtype, SIDE, (0.5, 0.5, 0.5), "µm")
-    ome_zarr.write_window(path, 0, np.s_[:, :, :], values)
+    ome_zarr.write_window(path, np.s_[:, :, :], values)
     return grids.ChunkedSource(path, Reading(), "zyx")
 
 

@@ -13,7 +13,6 @@ import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.export import ExportFile, ExportOrder
-from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.session.storage.recovery import Journal
@@ -21,7 +20,6 @@ from cpm_app.session.storage.session_file import DocumentFile
 from PIL import Image as Picture
 from PySide6.QtCore import QCoreApplication, QEvent
 
-from cpm_core.formats.images.readers import load_image
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
@@ -47,7 +45,7 @@ class Office:
         self._wanted = images[0]
         self._kept: Document | None = None
         self._saved: dict[Path, Document] = {}
-        self.workspace = Workspace(CoreFunctions(load_image=load_image))
+        self.workspace = Workspace()
         self.session = session = self.workspace.session
         session.set_pace(None)
         session.messages.shown.connect(self._hear)

@@ -71,7 +71,7 @@ class RunStatus:
     @property
     def surface(self) -> Surface | None:
         """The surface that has been found in a volume."""
-        return getattr(self.found, "surface", None)
+        return None if self.found is None else self.found.surface
 
     @property
     def started(self) -> bool:

@@ -46,7 +46,7 @@ _CLICK_DISTANCE = 1.0
 
 def _cut_into_closed_lines(surface: Surface, here: Slice) -> tuple[Contour, ...]:
     """Return the closed lines in which a slice cuts a surface."""
-    return tuple(each for each in cut_surface(surface, here) if each.closed and len(each.points) > 2)
+    return tuple(each for each in cut_surface(surface, here) if each.encloses_area)
 
 
 def cut_region(region: Region, here: Slice) -> tuple[Line, ...]:

@@ -1,10 +1,9 @@
-"""The core's functions that the worker calls, and its messages: the newest snapshot wins, reports are never lost."""
+"""Messages of the worker: the newest snapshot wins, reports are never lost."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
-from dataclasses import field
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,47 +19,20 @@ from cpm_app.model.volume.parts import FileParts
 from cpm_app.model.volume.slices import SampledForce
 from cpm_app.session.timeline.timeline import TimelineState
 from cpm_core import (
-    RUN_METHODS,
     Image,
     Method,
     Parameters,
     Result,
     Skeleton,
-    load_image,
-    load_volume,
-    to_bytes,
 )
 from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT_READING
-from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import Callback, Mask, Texts, frozen, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import ImageSeeds
-from cpm_core.warm_up import warm_up_runs, warm_up_volumes
 
 log = logging.getLogger(__name__)
-
-
-@frozen
-class CoreFunctions:
-    """The core's functions that run on the worker thread.
-
-    `load_image` and `load_volume` take a path, and as keywords `check_cancelled`, which raises once the image is no
-    longer wanted, and the part of the file to read; `methods` make a method from an image, parameters and regions;
-    `encode` makes the bytes of a file, as `cpm_core.formats.to_bytes` does; `warm_up` compiles or loads the kernels
-    until its first argument returns True, and calls its second one with the compiled fraction; `warm_up_volumes` does
-    so for volumes.
-    """
-
-    load_image: Callable[..., Image] = load_image
-    load_volume: Callable[..., Image] = load_volume
-    methods: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]] = field(
-        default_factory=lambda: RUN_METHODS
-    )
-    encode: Callable[..., bytes] = to_bytes
-    warm_up: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_runs
-    warm_up_volumes: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_volumes
 
 
 def explain_failure(error: Exception, activity: str) -> str:

@@ -93,8 +93,9 @@ class Sections:
 
     def _slice_lines(self, found: Reconstruction | None, here: Slice) -> Reconstruction | None:
         """Cut a result by a slice; a large surface is cut later, and its last cut is shown meanwhile."""
-        before, faces = self._shown, len(getattr(getattr(found.result, "surface", None), "faces", ())) if found else 0
-        if self.later is None or faces <= MAX_SYNC_FACES or before is None or before[0] != here:
+        before, surface = self._shown, found.result.surface if found else None
+        small = surface is None or len(surface.faces) <= MAX_SYNC_FACES
+        if self.later is None or small or before is None or before[0] != here:
             lines = self._parts.get(_slice_result, found, here)
         else:
             lines = self.later.get_named("lines", partial(_slice_result, found, here), lambda: before[1], found, here)

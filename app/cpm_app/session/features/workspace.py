@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.channel_images import ChannelImages
 from cpm_app.session.features.comparison import ComparedResults
 from cpm_app.session.features.contour_selection import ContourSelection
@@ -23,8 +22,8 @@ from cpm_app.session.session import Session
 class Workspace:
     """A session with its features; the session knows none of them."""
 
-    def __init__(self, core: CoreFunctions | None = None) -> None:
-        self.session = Session(core)
+    def __init__(self) -> None:
+        self.session = Session()
         self.contour_selection = ContourSelection(self.session)
         self.outline_editing = OutlineEditing(self.session, self.contour_selection)
         self.object_list = ObjectList(self.session, self.contour_selection)

@@ -12,7 +12,6 @@ from cpm_app.model.export import EXPORT_TITLES
 from cpm_app.model.text.language import explain_error, tr
 from cpm_app.model.volume.parts import FileParts
 from cpm_app.session.exchange.messages import (
-    CoreFunctions,
     ImageOpened,
     ImageReady,
     OpeningFailed,
@@ -20,7 +19,7 @@ from cpm_app.session.exchange.messages import (
     SavedSession,
 )
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask, TaskManager
-from cpm_core import PRESETS, Image, Parameters
+from cpm_core import PRESETS, RUN_METHODS, Image, Parameters, load_image, load_volume
 from cpm_core.formats import (
     SESSION_SUFFIX,
     Reading,
@@ -138,7 +137,7 @@ class OpenRequest:
     settings: SessionFile | None = None
 
 
-def prepare_image(core: CoreFunctions, request: OpenRequest, check_cancelled: Callback) -> ImageOpened:
+def prepare_image(request: OpenRequest, check_cancelled: Callback) -> ImageOpened:
     """Read an image and prepare the charged particles for it, with as many scales as it has room for.
 
     `check_cancelled` is called between the steps, and raises if the task has been cancelled. Raises ValueError if the
@@ -168,7 +167,7 @@ def prepare_image(core: CoreFunctions, request: OpenRequest, check_cancelled: Ca
     chosen = replace(reading, channel=reading.channel or 1) if parts is not None and parts.has_composite else reading
     if parts is not None and saved is not None and saved.is_other_page:
         chosen = replace(chosen, page=chosen.page or parts.default_page)  # nor of a page that was gone to
-    image, refused = _read_image(core, path, chosen, asked, parts, check_cancelled)
+    image, refused = _read_image(path, chosen, asked, parts, check_cancelled)
     notes = (*refused, *notes)
     check_cancelled()
     if saved is not None:
@@ -180,7 +179,7 @@ def prepare_image(core: CoreFunctions, request: OpenRequest, check_cancelled: Ca
     scales, parameters = parameters.scales, limit_scales(parameters, image.shape)
     if scales > parameters.scales:
         notes = (*notes, tr("The image is small: the scales are set to {most}.", most=parameters.scales))
-    method = core.methods["cpm"](image, parameters, None)
+    method = RUN_METHODS["cpm"](image, parameters, None)
     check_cancelled()
     display = build_display_image(image) if image.ndim == 2 else None
     return ImageOpened(
@@ -209,7 +208,6 @@ def _check_session_axes(saved: SavedSession, image: Image) -> None:
 
 
 def _read_image(
-    core: CoreFunctions,
     path: Path,
     reading: Reading,
     as_volume: bool | None,
@@ -225,13 +223,13 @@ def _read_image(
     if as_volume or (as_volume is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.is_volume):
         in_volume = {name: given for name, given in chosen.items() if name != "page"}
         try:
-            image = core.load_volume(path, check_cancelled=check_cancelled, **in_volume)
+            image = load_volume(path, check_cancelled=check_cancelled, **in_volume)
         except ValueError as error:
             if as_volume:
                 raise
             refused = (explain_error(error),)
     if image is None:
-        image = core.load_image(path, check_cancelled=check_cancelled, **chosen)
+        image = load_image(path, check_cancelled=check_cancelled, **chosen)
     image.shown_range, image.is_ct  # noqa: B018 - cached here, because the window needs them
     return image, refused
 
@@ -239,8 +237,7 @@ def _read_image(
 class Opener:
     """Opens one image at a time; a later request replaces an earlier one that is not ready yet."""
 
-    def __init__(self, core: CoreFunctions, tasks: TaskManager) -> None:
-        self._core = core
+    def __init__(self, tasks: TaskManager) -> None:
         self._tasks = tasks
         self._task = ENDED_TASK
         self._afterwards: list[Callback] = []
@@ -257,7 +254,7 @@ class Opener:
         name = request.path.name
 
         def read_and_prepare(task: BackgroundTask) -> Report:
-            return ImageReady(prepare_image(self._core, request, task.check_cancelled))
+            return ImageReady(prepare_image(request, task.check_cancelled))
 
         self._task = self._tasks.start_task(
             tr("Opening {name}…", name=name),

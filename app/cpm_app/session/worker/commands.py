@@ -30,7 +30,6 @@ from cpm_app.model.text.language import explain_error, tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
     CompilationProgress,
-    CoreFunctions,
     FilesExported,
     Reconstruction,
     Report,
@@ -46,10 +45,11 @@ from cpm_app.session.timeline.branches import StoredRuns
 from cpm_app.session.timeline.runs_json import runs_from_json, runs_to_json
 from cpm_app.session.timeline.timeline_nodes import StepAction
 from cpm_app.session.worker.run import Run
-from cpm_core import Result, Skeleton
+from cpm_core import Result, Skeleton, to_bytes
 from cpm_core.formats import FIGURE_SUFFIXES, encode_descriptions, set_relative_source, write_together
 from cpm_core.numerics.types import JsonObject, record
 from cpm_core.shapes import NO_SEEDS
+from cpm_core.warm_up import warm_up_runs, warm_up_volumes
 
 RunArguments = ParamSpec("RunArguments")
 
@@ -66,8 +66,6 @@ class CommandContext:
 
     Attributes
     ----------
-    core : CoreFunctions
-        The core's functions.
     run : Run
         Method, state and parameters.
     report : callable
@@ -76,7 +74,6 @@ class CommandContext:
         Returns whether the program is about to end, so that long work is no longer useful.
     """
 
-    core: CoreFunctions
     run: Run
     report: Callable[[Report], None]
     closing: Callable[[], bool]
@@ -198,7 +195,7 @@ def write_files(
                     shaped = replace(shaped, image=image)
                 elif file.suffix == ".labelme.json" and source is not None:
                     shaped = set_relative_source(shaped, file.path, Path(source))
-                contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space, image=source)))
+                contents.append((file.path, to_bytes(shaped, file.suffix, space=order.space, image=source)))
                 contents += [] if on_encoded else encode_descriptions(made[key], file.path)
                 counts.setdefault(file.kind, describe_export(made[key], file.kind, file.suffix))
             if task.is_cancelled:
@@ -229,7 +226,7 @@ def compile_kernels(volumes: bool = False) -> WorkerCommand:
                 reported = percent
                 context.report(CompilationProgress(percent))
 
-        (context.core.warm_up_volumes if volumes else context.core.warm_up)(context.closing, report_progress)
+        (warm_up_volumes if volumes else warm_up_runs)(context.closing, report_progress)
         _freeze_loaded_objects(volumes)
         context.report(WarmedUp())
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,6 @@ from cpm_app.model.text.language import tr
 from cpm_app.model.volume.slices import SampledForce
 from cpm_app.session.exchange.messages import OverlayData
 from cpm_core import RUN_METHODS, Contour, Image, Method, Parameters, PlacedCharge
-from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import SkeletonMethod
 from cpm_core.numerics import Array
 from cpm_core.numerics.types import NO_POINTS
@@ -30,8 +29,7 @@ from cpm_core.shapes import NO_SEEDS, ImageSeeds, SeedCache
 class PreparedMethods:
     """Methods by name for the open image: made when a run needs them, and kept as long as the image."""
 
-    def __init__(self, makers: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]]) -> None:
-        self._makers = makers
+    def __init__(self) -> None:
         self._ready: dict[str, Method[Any]] = {}
         self._image: Image | None = None
         self._seed_cache: SeedCache | None = None
@@ -57,7 +55,7 @@ class PreparedMethods:
         image, method = self._image_with_size(document), self._ready.get(name)
         other = method is None or (method.image.spacing, method.image.unit) != (image.spacing, image.unit)
         if method is None or other or not method.can_start(document.parameters):
-            method = self._makers[name](image, document.parameters, document.regions)
+            method = RUN_METHODS[name](image, document.parameters, document.regions)
         elif method.regions != document.regions:
             method = method.with_regions(document.regions)
         if image is self._image:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import CoreFunctions, Report, RunFailed, explain_failure
+from cpm_app.session.exchange.messages import Report, RunFailed, explain_failure
 from cpm_app.session.worker.commands import QUIT_COMMAND, CommandContext, WorkerCommand
 from cpm_app.session.worker.prepared_methods import PreparedMethods
 from cpm_app.session.worker.run import Run
@@ -30,7 +30,7 @@ class WorkerThread:
     the window, which takes these messages itself.
     """
 
-    def __init__(self, core: CoreFunctions) -> None:
+    def __init__(self) -> None:
         self._reports: deque[Report] = deque()
         self._commands: queue.SimpleQueue[Due] = queue.SimpleQueue()
         self._posted = 0
@@ -38,8 +38,8 @@ class WorkerThread:
         self._waiting = False
         self._closing = False
         self._newest: dict[object, WorkerCommand] = {}
-        self.run = Run(PreparedMethods(core.methods), lambda: self._closing)
-        self._context = CommandContext(core, self.run, self.send_report, lambda: self._closing)
+        self.run = Run(PreparedMethods(), lambda: self._closing)
+        self._context = CommandContext(self.run, self.send_report, lambda: self._closing)
         self._thread = threading.Thread(target=self._run_loop, name="cpm-engine", daemon=True)
         self._thread.start()
 

@@ -9,8 +9,8 @@ from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 
 from cpm_app.model.text.language import tr
+from cpm_app.session.session import Session
 from cpm_app.views.canvas.image_view import ImageView
-from cpm_app.views.layers.layer import WorkerRequests
 from cpm_app.views.tools.tool import Tool
 from cpm_core.numerics import Position
 
@@ -125,8 +125,8 @@ class ToolView(ImageView):
     _drag_origin: QPointF | None = None
     _is_still = _is_double_click = False
 
-    def __init__(self, requests: WorkerRequests | None = None, original: ImageView | None = None) -> None:
-        super().__init__(requests, original)
+    def __init__(self, session: Session | None = None, original: ImageView | None = None) -> None:
+        super().__init__(session, original)
         self._wheel = WheelNotchCounter()
 
     def move_pointer_to(self, at: Position) -> None:
@@ -219,8 +219,8 @@ class Canvas(ToolView):
     dispatcher: ToolDispatcher
     """Receiver of the gestures, set once the tools have been created for the layers of this canvas."""
 
-    def __init__(self, requests: WorkerRequests) -> None:
-        super().__init__(requests)
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAcceptDrops(False)
         self.setMinimumSize(240, 160)

@@ -11,9 +11,9 @@ from PySide6.QtGui import QContextMenuEvent, QPixmap, QResizeEvent
 from cpm_app.model.volume.slices import Slice, find_slice_flips
 from cpm_app.session.features.slices import Sections
 from cpm_app.session.scene import Scene
+from cpm_app.session.session import Session
 from cpm_app.views.items.item import image_rectangle, to_position
 from cpm_app.views.layers import Layers
-from cpm_app.views.layers.layer import NoRequests, WorkerRequests
 from cpm_app.views.theme import theme
 from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics import Place, Position
@@ -39,20 +39,20 @@ _MIN_PART_EXTENT = 12.0
 
 
 class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """Shows the `layers` of a scene in the box `view`, and zooms and pans; `requests` asks the worker for data.
+    """Shows the `layers` of a scene in the box `view`, and zooms and pans; the worker of `session` is asked for data.
 
     Of a volume it shows the slice that `sections` cuts; positions are (row, col) in the slice. A view with an
     `original` copies the settings of its layers, which have already requested all data.
     """
 
-    def __init__(self, requests: WorkerRequests | None = None, original: ImageView | None = None) -> None:
+    def __init__(self, session: Session | None = None, original: ImageView | None = None) -> None:
         super().__init__(background=theme.CANVAS_COLOR)
         self.view = pg.ViewBox(enableMenu=False, invertY=True, lockAspect=True, enableMouse=False, defaultPadding=0.0)
         self.view.disableAutoRange()
         # The view fills its own background; else Qt would draw the window and its panels below it in every frame.
         self.viewport().setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setCentralItem(self.view)
-        self.layers = Layers(self.view, requests or NoRequests())
+        self.layers = Layers(self.view, session)
         self.sections = Sections()
         self._given_scene = self.drawn_scene = Scene()
         """The scene passed in, and the scene drawn, which for a volume is a slice."""

@@ -6,12 +6,21 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
-from PySide6.QtGui import QImage, QKeyEvent, QPixmap
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtGui import QIcon, QImage, QKeyEvent, QPixmap
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from cpm_app.model.text.language import tr
 from cpm_app.views.widgets.containers import (
-    PictureGrid,
+    ENTER_KEYS,
     VerticalScrollArea,
     create_dim_label,
     create_wrapped_label,
@@ -41,6 +50,67 @@ class StartEntry:
     tooltip: str
 
 
+_SELECTION_KEYS = (*ENTER_KEYS, Qt.Key.Key_Space)
+"""Keys that select the current picture."""
+
+
+class PictureGrid(QListWidget):
+    """Grid of pictures with names; arrow keys and the first letters of a name move through it."""
+
+    file_selected = Signal(Path)
+    """The user has selected a picture: its file."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setViewMode(QListWidget.ViewMode.IconMode)
+        self.setMovement(QListWidget.Movement.Static)
+        self.setResizeMode(QListWidget.ResizeMode.Adjust)
+        self.setIconSize(_PICTURE_SIZE)
+        self.setGridSize(_GRID_CELL_SIZE)
+        self.setUniformItemSizes(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setTextElideMode(Qt.TextElideMode.ElideMiddle)
+        self.itemClicked.connect(self._select_item)
+
+    def add_entry(self, entry: StartEntry) -> None:
+        """Add the picture of a file, a black one if there is none."""
+        picture = QPixmap(_PICTURE_SIZE)
+        picture.fill(Qt.GlobalColor.black)
+        if not entry.picture.isNull():
+            picture = QPixmap.fromImage(entry.picture)
+        icon = QIcon()
+        # Qt would tint the picture of the current item.
+        icon.addPixmap(picture, QIcon.Mode.Normal)
+        icon.addPixmap(picture, QIcon.Mode.Selected)
+        item = QListWidgetItem(icon, f"{entry.name}\n{entry.subtitle}")
+        item.setData(Qt.ItemDataRole.UserRole, entry.path)
+        item.setToolTip(entry.tooltip)
+        item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignBottom)
+        self.addItem(item)
+
+    def event(self, event: QEvent) -> bool:
+        """Claim plain keys before they act as shortcuts of the window."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
+            plain = event.modifiers() in (Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ShiftModifier)
+            if plain and (event.text() or event.key() in _SELECTION_KEYS):
+                event.accept()
+                return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Select the current picture on Enter or Space."""
+        item = self.currentItem()
+        if event.key() in _SELECTION_KEYS and item is not None:
+            self._select_item(item)
+        else:
+            super().keyPressEvent(event)
+
+    def _select_item(self, item: QListWidgetItem) -> None:
+        self.file_selected.emit(item.data(Qt.ItemDataRole.UserRole))
+
+
 class StartScreen(QWidget):
     """Pictures of recent work and samples that cover `parent`."""
 
@@ -60,19 +130,14 @@ class StartScreen(QWidget):
         self.open_button, self.back_button = QPushButton(tr("&Open…")), QPushButton(tr("&Back to the image"))
         self.open_button.clicked.connect(self.open_requested)
         self.back_button.clicked.connect(self.back_requested)
-        self.recent, self.samples = (
-            PictureGrid(_PICTURE_SIZE, _GRID_CELL_SIZE),
-            PictureGrid(_PICTURE_SIZE, _GRID_CELL_SIZE),
-        )
+        self.recent, self.samples = PictureGrid(), PictureGrid()
         self.recent.setAccessibleName(tr("Recent work"))
         self.samples.setAccessibleName(tr("Samples"))
         self.error_label = create_wrapped_label()
         self._nothing = create_dim_label(tr("Files that you open or save appear here."))
         self._lay_out()
         for grid in (self.recent, self.samples):
-            grid.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-            grid.setTextElideMode(Qt.TextElideMode.ElideMiddle)
-            grid.picture_selected.connect(lambda item: self.file_selected.emit(item.data(Qt.ItemDataRole.UserRole)))
+            grid.file_selected.connect(self.file_selected)
         parent.installEventFilter(self)
         self.hide()
 
@@ -85,9 +150,7 @@ class StartScreen(QWidget):
         for grid, entries in ((self.recent, recent), (self.samples, samples)):
             grid.clear()
             for entry in entries:
-                grid.add_picture(
-                    _create_grid_picture(entry.picture), f"{entry.name}\n{entry.subtitle}", entry.path, entry.tooltip
-                )
+                grid.add_entry(entry)
             grid.setVisible(bool(entries))
         self._nothing.setVisible(not recent)
         self.back_button.setVisible(can_go_back)
@@ -141,12 +204,3 @@ def _create_heading(text: str) -> QLabel:
     label = QLabel(text)
     label.setObjectName("heading")
     return label
-
-
-def _create_grid_picture(picture: QImage) -> QPixmap:
-    """Return a picture in the size of the grid; a black one if there is none."""
-    if picture.isNull():
-        blank = QPixmap(_PICTURE_SIZE)
-        blank.fill(Qt.GlobalColor.black)
-        return blank
-    return QPixmap.fromImage(picture)

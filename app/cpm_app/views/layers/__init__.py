@@ -8,13 +8,14 @@ from typing import TypeVar
 import pyqtgraph as pg
 
 from cpm_app.session.scene import Scene
+from cpm_app.session.session import Session
 from cpm_app.views.layers.annotations import OrientationLayer, ScaleBarLayer
 from cpm_app.views.layers.contours import ContourLayer, TruthLayer
 from cpm_app.views.layers.drawing import DrawingLayer
 from cpm_app.views.layers.fields import EdgeMapLayer, FieldLayer, PotentialLayer, StartAreaLayer
 from cpm_app.views.layers.forces import ForceLayer
 from cpm_app.views.layers.image_layer import ImageLayer
-from cpm_app.views.layers.layer import Layer, LegendEntry, WorkerRequests
+from cpm_app.views.layers.layer import Layer, LegendEntry
 from cpm_app.views.layers.measures import MeasureLayer
 from cpm_app.views.layers.objects import ObjectLayer
 from cpm_app.views.layers.particles import ParticleLayer
@@ -45,10 +46,10 @@ LAYER_CLASSES: tuple[type[Layer], ...] = (
 
 
 class Layers:
-    """The layers of one canvas by name; `view` is the parent of their items, `requests` asks the worker for data."""
+    """The layers of one canvas by name; `view` is the parent of their items, `session` has the worker that they ask."""
 
-    def __init__(self, view: pg.ViewBox, requests: WorkerRequests) -> None:
-        self._layers = {kind.name: kind(view, requests) for kind in LAYER_CLASSES}
+    def __init__(self, view: pg.ViewBox, session: Session | None) -> None:
+        self._layers = {kind.name: kind(view, session) for kind in LAYER_CLASSES}
         self.particles = self._get_layer(ParticleLayer)
         self.forces = self._get_layer(ForceLayer)
         self.contours = self._get_layer(ContourLayer)

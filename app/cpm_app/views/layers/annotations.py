@@ -9,7 +9,6 @@ from cpm_app.session.scene import Scene
 from cpm_app.views.items.item import TEXT_COLOR, PinnedText
 from cpm_app.views.layers.layer import Layer
 from cpm_core.image import ScaleBar
-from cpm_core.numerics.types import Texts
 
 MAX_SCALE_BAR_LENGTH = 160.0
 """Maximum length of the bar [px of the screen]; the bar is at least 2/5 as long."""
@@ -83,10 +82,8 @@ class OrientationLayer(Layer):
 
     def create_items(self) -> None:
         """Create the items of the layer."""
-        self.letters: Texts = ("",) * 4
-        """Letters at the top, the bottom, the left and the right."""
-        self._letters = [PinnedText(self.view, edge, _LETTER_GAP) for edge in self._EDGES]
-        self.add_items(*self._letters)
+        self.letters = [PinnedText(self.view, edge, _LETTER_GAP) for edge in self._EDGES]
+        self.add_items(*self.letters)
         self._draw_letters()
 
     def apply_visibility(self) -> None:
@@ -101,7 +98,7 @@ class OrientationLayer(Layer):
     def _draw_letters(self) -> None:
         whole = self.scene.full_image
         edges = None if whole is None or not self.shown else find_edge_labels(whole, self.scene.slices)
-        self.letters = ("",) * 4 if edges is None else (*edges[0], *edges[1])
-        for item, text in zip(self._letters, self.letters, strict=True):
+        texts = ("",) * 4 if edges is None else (*edges[0], *edges[1])
+        for item, text in zip(self.letters, texts, strict=True):
             item.setVisible(bool(text))
             item.show_html(text)

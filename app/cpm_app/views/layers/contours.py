@@ -41,12 +41,6 @@ class ContourLayer(Layer):
         self.add_items(self._hovered, self._selected, self.short, self._curves, self.bridges)
         self.apply_opacity()
 
-    @property
-    def counts(self) -> tuple[int, int]:
-        """Numbers of closed and open contours."""
-        closed = sum(contour.closed for contour in self.scene.contours)
-        return closed, len(self.scene.contours) - closed
-
     def legend_entries(self) -> Sequence[LegendEntry]:
         """Return the entries of the contours, in a slice of the sections of the surface, and of gaps."""
         text, tip = tr("sections"), tr("What this slice shows of the surface that particles have found.")

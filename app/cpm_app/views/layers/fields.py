@@ -55,7 +55,8 @@ class ScalarOverlay(Layer):
 
     def apply_visibility(self) -> None:
         """Request the overlay only while it is shown."""
-        self.requests.set_overlay_enabled(self.name, self.shown)
+        if self.session is not None:
+            self.session.set_overlay_enabled(self.name, self.shown)
         if self.shown:  # reading the colors is slow
             self._item.set_color_table(self.color_table())
         self._show_overlay()
@@ -165,7 +166,8 @@ class FieldLayer(Layer):
 
     def apply_visibility(self) -> None:
         """Request the field only while it is shown."""
-        self.requests.set_overlay_enabled("field", self.shown)
+        if self.session is not None:
+            self.session.set_overlay_enabled("field", self.shown)
         self._draw_arrows()
 
     def show_scene(self, before: Scene) -> None:

@@ -102,13 +102,13 @@ class ForceLayer(Layer):
     def _request_forces(self) -> None:
         """Request the forces."""
         snapshot = self.scene.snapshot
-        if not self.shown or snapshot is None:
+        if not self.shown or snapshot is None or self.session is None:
             return
         place, reach = self._pointer, _PROBE_RADIUS * float(self.view.viewPixelSize()[0])
         if place is None:
             place, reach = to_position(self.view.viewRect().center()), math.inf
             place = place if self.scene.slices is None else self.scene.slices.current.lift_position(place)
-        self.requests.post_command(probe_forces(snapshot.generation, place, reach))
+        self.session.post_command(probe_forces(snapshot.generation, place, reach))
 
     def _show_probed(self, probed: ForcesProbed | None) -> None:
         self.probed = probed

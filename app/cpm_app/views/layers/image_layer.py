@@ -333,8 +333,8 @@ class ImageLayer(Layer):
             self._show_image(whole)
         elif image.colors is None and image.values.size <= _MAX_IMMEDIATE_PIXELS:
             self._show_image(DisplayImage.from_image(image, window))
-        elif channel is not None:
-            self.requests.post_command(shade_image(image, window, channel))
+        elif channel is not None and self.session is not None:
+            self.session.post_command(shade_image(image, window, channel))
 
     def _show_image(self, display: DisplayImage | None = None) -> None:
         """Show the image, by default as it is shown now, with the other channels of a composite."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Literal
 
 import pyqtgraph as pg
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtWidgets import QGraphicsItem
 
 from cpm_app.session.scene import Scene
-from cpm_app.session.worker.commands import WorkerCommand
+from cpm_app.session.session import Session
 from cpm_app.views.items.item import ImageOverlay
 from cpm_core.numerics.types import Extent, Texts, frozen
 
@@ -81,26 +81,6 @@ class LegendEntry:
     sign: Sign = "line"
 
 
-class WorkerRequests(Protocol):
-    """Requests from layers to the worker; the answers arrive as parts of a scene."""
-
-    def post_command(self, command: WorkerCommand) -> None:
-        """Send a command to the worker."""
-
-    def set_overlay_enabled(self, name: str, enabled: bool) -> None:
-        """Switch the updates of an overlay on or off; see `cpm_app.session.worker.prepared_methods`."""
-
-
-class NoRequests:
-    """Ignores requests, because the layers of another view have already made them."""
-
-    def post_command(self, command: WorkerCommand) -> None:
-        """Do nothing."""
-
-    def set_overlay_enabled(self, name: str, enabled: bool) -> None:
-        """Do nothing."""
-
-
 class Layer(QObject):
     """Base class of layers: subclasses set the class variables, add items in `create_items`, and draw in `show_scene`.
 
@@ -108,8 +88,8 @@ class Layer(QObject):
     ----------
     view : pg.ViewBox
         Parent of the items.
-    requests : WorkerRequests
-        Receiver of the requests to the worker.
+    session : Session, optional
+        Whose worker is asked for data; None for a view next to another one whose layers have already done so.
 
     Attributes
     ----------
@@ -135,10 +115,10 @@ class Layer(QObject):
     changed = Signal()
     """Visibility, opacity or an option has changed."""
 
-    def __init__(self, view: pg.ViewBox, requests: WorkerRequests) -> None:
+    def __init__(self, view: pg.ViewBox, session: Session | None) -> None:
         super().__init__()
         self.view = view
-        self.requests = requests
+        self.session = session
         self.scene = Scene()
         self.shown = self.initially_shown
         self.opacity = 1.0

@@ -116,7 +116,7 @@ def _build_particles(
 
 
 def _build_surface_mesh(found: Reconstruction | None) -> SurfaceMesh | None:
-    surface = getattr(found.result, "surface", None) if found is not None else None
+    surface = found.result.surface if found is not None else None
     return None if surface is None or not len(surface.faces) else SurfaceMesh(surface)
 
 

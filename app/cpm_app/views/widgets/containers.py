@@ -6,7 +6,7 @@ from collections.abc import Container, Sequence
 from typing import TypeVar
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
-from PySide6.QtGui import QIcon, QKeyEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent
+from PySide6.QtGui import QKeyEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import (
     QBoxLayout,
     QDialog,
@@ -17,7 +17,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QLayout,
     QListWidget,
-    QListWidgetItem,
     QPushButton,
     QScrollArea,
     QSizePolicy,
@@ -307,61 +306,6 @@ class OfferBar(QFrame):
 
         button.clicked.connect(accept_offer)
         return button
-
-
-_SELECTION_KEYS = (*ENTER_KEYS, Qt.Key.Key_Space)
-"""Keys that select the current picture."""
-
-_NO_MODIFIER = Qt.KeyboardModifier.NoModifier
-"""No modifier key at all."""
-
-
-class PictureGrid(QListWidget):
-    """Grid of pictures with names; arrow keys and the first letters of a name move through it."""
-
-    picture_selected = Signal(QListWidgetItem)
-    """The user has selected a picture."""
-
-    def __init__(self, picture: QSize, cell: QSize) -> None:
-        super().__init__()
-        self.setViewMode(QListWidget.ViewMode.IconMode)
-        self.setMovement(QListWidget.Movement.Static)
-        self.setResizeMode(QListWidget.ResizeMode.Adjust)
-        self.setIconSize(picture)
-        self.setGridSize(cell)
-        self.setUniformItemSizes(True)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.itemClicked.connect(self.picture_selected)
-
-    def add_picture(self, picture: QPixmap, name: str, value: object, tip: str) -> None:
-        """Add a picture; its item holds `value` as user data."""
-        icon = QIcon()
-        # Qt would tint the picture of the current item.
-        icon.addPixmap(picture, QIcon.Mode.Normal)
-        icon.addPixmap(picture, QIcon.Mode.Selected)
-        item = QListWidgetItem(icon, name)
-        item.setData(Qt.ItemDataRole.UserRole, value)
-        item.setToolTip(tip)
-        item.setTextAlignment(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignBottom)
-        self.addItem(item)
-
-    def event(self, event: QEvent) -> bool:
-        """Claim plain keys before they act as shortcuts of the window."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent):
-            plain = event.modifiers() in (_NO_MODIFIER, Qt.KeyboardModifier.ShiftModifier)
-            if plain and (event.text() or event.key() in _SELECTION_KEYS):
-                event.accept()
-                return True
-        return super().event(event)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Select the current picture on Enter or Space."""
-        item = self.currentItem()
-        if event.key() in _SELECTION_KEYS and item is not None:
-            self.picture_selected.emit(item)
-        else:
-            super().keyPressEvent(event)
 
 
 def claim_key(event: QEvent, keys: Container[int]) -> bool:

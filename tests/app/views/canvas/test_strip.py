@@ -8,6 +8,7 @@ from PySide6.QtWidgets import QFrame, QLabel
 
 from cpm_core.contours.contour import Contour
 from tests.app.conftest import show_contours
+from tests.app.reading import contour_counts
 
 pytestmark = pytest.mark.shared_window
 
@@ -54,7 +55,7 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
     layers, legend = rested.canvas_area.canvas.layers, rested.canvas_area.strip.legend
     offered = rested.session.scene.objects.proposals
     rested.canvas_area.strip.legend.update_now()
-    shown = (("contours", sum(layers.contours.counts)), ("proposals", len(offered)), ("area of the start", 1))
+    shown = (("contours", sum(contour_counts(layers.contours))), ("proposals", len(offered)), ("area of the start", 1))
     assert {entry.text: entry.count for entry in legend.entries} == {text: count for text, count in shown if count}
     for name in ("contours", "objects", "start_area"):
         layers[name].set_shown(False)

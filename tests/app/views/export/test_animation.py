@@ -26,15 +26,6 @@ LEFT = Qt.MouseButton.LeftButton
 SIZE = (160, 160)
 
 
-@pytest.fixture
-def rested(ready, hand):
-    """A window with a finished run."""
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle)
-    return ready
-
-
 def feature(window) -> AnimationFeature:
     return window.get_feature(AnimationFeature)
 

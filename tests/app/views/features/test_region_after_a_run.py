@@ -7,6 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from cpm_core.objects import compute_iou
+from tests.app.acting import wait_for_offers
 
 pytestmark = pytest.mark.shared_window
 
@@ -25,12 +26,6 @@ def image_file(tmp_path):
     path = tmp_path / "nuclei.npy"
     np.save(path, 40.0 + 120.0 * np.clip(9.5 - away, 0.0, 1.0) + noise)
     return path
-
-
-def settle(window, hand) -> None:
-    selection = window.workspace.object_selection
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: window.session.idle and selection.idle and selection.offer_is_known)
 
 
 def proposed(window) -> list[np.ndarray]:
@@ -60,23 +55,23 @@ def draw_region(hand) -> None:
 
 def test_a_region_gives_the_same_objects_after_a_run_as_before_it_and_undo_gives_back_the_run(window, hand) -> None:
     run_everywhere(window, hand)
-    settle(window, hand)
+    wait_for_offers(window, hand)
     whole = shown(window)
     assert len(proposed(window)) == len(NUCLEI)
     step = window.session.status.step
     draw_region(hand)
     hand.wait(lambda: window.session.status.step > step)  # it may be at rest again before anybody looks
-    settle(window, hand)
+    wait_for_offers(window, hand)
     after = proposed(window)
     hand.key(KEY.Key_Z, CONTROL)
-    settle(window, hand)
+    wait_for_offers(window, hand)
     assert shown(window) == whole
     hand.key(KEY.Key_Escape)
     window.session.reset()
     draw_region(hand)
     hand.canvas.setFocus()
     hand.key(KEY.Key_Space)
-    settle(window, hand)
+    wait_for_offers(window, hand)
     before = proposed(window)
     assert len(after) == len(before) == 4
     assert all(max(compute_iou(one, other) for other in before) > 0.9 for one in after)
@@ -84,7 +79,7 @@ def test_a_region_gives_the_same_objects_after_a_run_as_before_it_and_undo_gives
 
 def test_undo_of_a_slider_moved_during_a_run_gives_the_rest_without_it(window, hand) -> None:
     run_everywhere(window, hand)
-    settle(window, hand)
+    wait_for_offers(window, hand)
     first = window.session.document.parameters
     whole = proposed(window)
     window.session.reset()
@@ -94,10 +89,10 @@ def test_undo_of_a_slider_moved_during_a_run_gives_the_rest_without_it(window, h
     slider = window.panels["run"].parameters.rows["beta"].slider
     slider.setFocus()
     hand.qtbot.keyClick(slider, KEY.Key_PageUp)
-    settle(window, hand)
+    wait_for_offers(window, hand)
     assert window.session.document.parameters != first
     hand.key(KEY.Key_Z, CONTROL)
-    settle(window, hand)
+    wait_for_offers(window, hand)
     assert window.session.document.parameters == first
     left = proposed(window)
     assert len(left) == len(whole)

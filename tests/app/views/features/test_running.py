@@ -17,6 +17,7 @@ from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
 from cpm_core.model.state import State
 from cpm_core.shapes import Circle
+from tests.app.reading import contour_counts
 
 pytestmark = pytest.mark.shared_window
 
@@ -31,7 +32,7 @@ def test_space_runs_to_rest_and_shows_one_closed_contour_around_the_disc(ready, 
     assert ready.actions_by_name["run"].text() == "Pause"
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle)
-    assert hand.canvas.layers.contours.counts == (1, 0)
+    assert contour_counts(hand.canvas.layers.contours) == (1, 0)
     assert ready.panels["run"].status.state.startswith("Finished")
     numbers = {label.accessibleName(): label.text() for label in ready.panels["run"].findChildren(ElidedLabel)}
     assert numbers["Contours"] == "1 closed, 0 open"
@@ -93,7 +94,7 @@ def test_reset_keeps_the_shapes_and_discards_the_run(ready, hand) -> None:
     assert hand.canvas.layers.particles.count == 0
     hand.wait(lambda: ready.session.idle)
     assert hand.canvas.layers.particles.count == 0
-    assert hand.canvas.layers.contours.counts == (0, 0)
+    assert contour_counts(hand.canvas.layers.contours) == (0, 0)
     assert ready.session.document.shapes == (Circle((32.0, 32.0), 10.0),)
 
 

@@ -5,17 +5,13 @@ from __future__ import annotations
 import pytest
 from PySide6.QtCore import Qt
 
+from tests.app.acting import wait_for_offers
+
 pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
 SHIFT = Qt.KeyboardModifier.ShiftModifier
-
-
-def settle(window, hand) -> None:
-    selection = window.workspace.object_selection
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: window.session.idle and selection.idle and selection.offer_is_known)
 
 
 def outcome(window):
@@ -47,43 +43,43 @@ def test_undoing_everything_and_redoing_it_gives_back_the_very_result(window, ha
     hand.click(8.0, 56.0)
     hand.canvas.setFocus()
     hand.key(KEY.Key_Space)
-    settle(window, hand)
+    wait_for_offers(window, hand)
     before = outcome(window)
     assert len(before[0].shapes) == 4
     assert before[3] and before[4]
     press_times(hand, KEY.Key_Z, 4)
     assert session.document.shapes == ()
-    settle(window, hand)
+    wait_for_offers(window, hand)
     assert session.scene.snapshot.position.tobytes() == before[2]
     press_times(hand, KEY.Key_Z, 4, CONTROL | SHIFT)
-    settle(window, hand)
+    wait_for_offers(window, hand)
     assert outcome(window) == before
 
 
 @pytest.mark.parametrize("waits", [True, False])
 def test_a_start_that_joined_a_run_at_rest_is_undone_and_redone_with_what_came_of_it(ready, hand, waits) -> None:
     hand.key(KEY.Key_Space)
-    settle(ready, hand)
+    wait_for_offers(ready, hand)
     first = outcome(ready)
     hand.key(KEY.Key_C)
     hand.drag((8.0, 8.0), (8.0, 10.0), (8.0, 12.0))
     hand.wait(lambda: ready.session.scene.snapshot.position.tobytes() != first[2])
-    settle(ready, hand)
+    wait_for_offers(ready, hand)
     second = outcome(ready)
     hand.key(KEY.Key_I)
     hand.drag((2.0, 2.0), (40.0, 40.0), (58.0, 58.0))
-    settle(ready, hand)
+    wait_for_offers(ready, hand)
     third = outcome(ready)
     for expected in (second, first):
         hand.key(KEY.Key_Z, CONTROL)
         if waits:
-            settle(ready, hand)
+            wait_for_offers(ready, hand)
             assert outcome(ready) == expected
     for expected in (second, third):
         hand.key(KEY.Key_Z, CONTROL | SHIFT)
         if waits:
-            settle(ready, hand)
+            wait_for_offers(ready, hand)
             assert outcome(ready) == expected
-    settle(ready, hand)
+    wait_for_offers(ready, hand)
     assert outcome(ready) == third
     assert len(ready.session.document.shapes) == 3

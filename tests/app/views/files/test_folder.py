@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cpm_app.model.document import edits
 from cpm_app.model.preferences.table import SAVE_IN_FOLDER
 from cpm_app.session.tasks.opening import find_adjacent_session, sibling_images
 from cpm_app.views.features.files import FolderFeature, OpenSaveFeature
@@ -18,6 +17,8 @@ from PySide6.QtCore import Qt
 from cpm_core.formats import natural_sort_key
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
+from tests.app.acting import draw_circle, open_image
+from tests.app.reading import image_name
 
 pytestmark = pytest.mark.shared_window
 
@@ -39,23 +40,14 @@ def folder(tmp_path: Path) -> Path:
     return path
 
 
-def name(window: MainWindow) -> str:
-    return window.session.document.image.name
-
-
 def place(window: MainWindow) -> str:
     bar = window.get_feature(FolderFeature).bar
     return "" if bar.isHidden() else bar._place.text()
 
 
-def open_image(window: MainWindow, hand, path: Path) -> None:
-    window.open_image(str(path))
-    hand.wait(lambda: name(window) == path.name and window.session.idle)
-
-
 def go(window: MainWindow, hand, key, expected: str) -> None:
     hand.key(*key)
-    hand.wait(lambda: name(window) == expected and window.session.idle)
+    hand.wait(lambda: image_name(window) == expected and window.session.idle)
 
 
 def test_what_has_been_exported_of_an_image_is_no_next_image(folder: Path) -> None:
@@ -106,18 +98,14 @@ def test_a_click_leads_to_the_next_image_and_one_that_has_gone_is_passed_over(wi
     open_image(window, hand, folder / "hand1.npy")
     (folder / "hand2.npy").unlink()
     hand.qtbot.mouseClick(window.get_feature(FolderFeature).bar.forward, Qt.MouseButton.LeftButton)
-    hand.wait(lambda: name(window) == "Hand10.npy" and window.session.idle)
+    hand.wait(lambda: image_name(window) == "Hand10.npy" and window.session.idle)
     assert place(window) == "File 2 of 2"
-
-
-def draw(window: MainWindow) -> None:
-    window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((20.0, 30.0), 9.0)))
 
 
 def test_work_is_saved_on_the_way_by_choice(window, hand, folder) -> None:
     window.preferences.store_preference(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand1.npy")
-    draw(window)
+    draw_circle(window)
     go(window, hand, NEXT, "hand2.npy")
     assert load_session(folder / "hand1.cpm").shapes == (Circle((20.0, 30.0), 9.0),)
     go(window, hand, BACK, "hand1.npy")
@@ -127,8 +115,8 @@ def test_work_is_saved_on_the_way_by_choice(window, hand, folder) -> None:
 def test_saving_on_the_way_never_replaces_the_file_of_other_work(window, hand, folder, monkeypatch) -> None:
     window.preferences.store_preference(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand2.npy")  # not its session
-    draw(window)
-    draw(window)
+    draw_circle(window)
+    draw_circle(window)
     go(window, hand, BACK, "hand1.npy")
     assert load_session(folder / "hand2.cpm").shapes == (Circle((20.0, 20.0), 5.0),)
 
@@ -137,10 +125,10 @@ def test_where_saving_fails_the_image_stays(window, hand, folder, monkeypatch) -
     window.preferences.store_preference(SAVE_IN_FOLDER, True)
     open_image(window, hand, folder / "hand1.npy")
     window.get_feature(OpenSaveFeature).document_file.path = folder / "none" / "a.cpm"
-    draw(window)
+    draw_circle(window)
     hand.key(*NEXT)
     hand.wait(lambda: "none" in window.canvas_area.messages.text)
-    assert name(window) == "hand1.npy"
+    assert image_name(window) == "hand1.npy"
 
 
 def test_the_buttons_of_the_folder_stay_where_they_are_while_the_pointer_is_over_the_image(

@@ -5,13 +5,12 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from cpm_app.session.exchange.messages import CoreFunctions
 from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.tasks import opening
 
 from cpm_core.formats import load_image
 
@@ -35,7 +34,7 @@ def huge(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def patient(qapp, huge, image_file, compiled_loops):
+def patient(qapp, huge, image_file, compiled_loops, monkeypatch):
     """A session for which the huge file comes from a drive that never ends to deliver it."""
 
     def load(path: Path, check_cancelled: Callable[[], None], **_: object):
@@ -44,7 +43,9 @@ def patient(qapp, huge, image_file, compiled_loops):
             check_cancelled()
         return load_image(image_file, check_cancelled=check_cancelled)
 
-    made = Workspace(replace(CoreFunctions(), load_image=load, load_volume=load))
+    monkeypatch.setattr(opening, "load_image", load)
+    monkeypatch.setattr(opening, "load_volume", load)
+    made = Workspace()
     yield made
     made.session.close()
     made.session.deleteLater()

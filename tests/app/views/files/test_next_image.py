@@ -12,7 +12,7 @@ import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.document.modes import adapt_shapes_to_mode, initial_parameters
 from cpm_app.model.preferences.table import KEEP_PARAMETERS
-from cpm_app.session.exchange.messages import CoreFunctions
+from cpm_app.session.tasks import opening
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.help import PreferencesFeature
 from cpm_app.views.window import dialogs
@@ -21,7 +21,7 @@ from cpm_app.views.window.window import MainWindow
 from PySide6.QtWidgets import QCheckBox, QWidget
 
 from cpm_core import PRESETS, load_image
-from cpm_core.shapes import Circle
+from tests.app.acting import draw_circle
 
 pytestmark = pytest.mark.shared_window
 
@@ -66,20 +66,16 @@ def held(window: MainWindow, monkeypatch: pytest.MonkeyPatch) -> threading.Event
     """The next images take until this event to be read."""
     ready = threading.Event()
 
-    def load(path: Path, check_cancelled):
+    def load(path: Path, check_cancelled, **_):
         assert ready.wait(20.0)
         return load_image(path, check_cancelled=check_cancelled)
 
-    monkeypatch.setattr(window.session._opener, "_core", CoreFunctions(load_image=load))
+    monkeypatch.setattr(opening, "load_image", load)
     return ready
 
 
 def tune(window: MainWindow, name: str = "beta", value: float = 1.9) -> None:
     window.session.edit("damping", lambda document: edits.set_parameter(document, name, value))
-
-
-def draw(window: MainWindow) -> None:
-    window.session.edit("draw circle", lambda document: edits.add_shape(document, Circle((20.0, 30.0), 9.0)))
 
 
 def open_image(window: MainWindow, hand, path: Path) -> None:
@@ -142,7 +138,7 @@ def test_a_mode_chosen_while_an_image_is_being_opened_is_that_of_the_image_with_
 def test_work_done_while_an_image_is_being_opened_is_asked_about(window, hand, other, held, asked, answer) -> None:
     names = asked(answer)
     window.open_image(str(other))
-    draw(window)
+    draw_circle(window)
     held.set()
     hand.wait(lambda: bool(names))
     if answer == "cancel":
@@ -157,7 +153,7 @@ def test_work_done_while_an_image_is_being_opened_is_asked_about(window, hand, o
 def test_work_saved_at_the_question_is_in_its_file(window, hand, other, held, asked, tmp_path) -> None:
     asked("save")
     window.open_image(str(other))
-    draw(window)
+    draw_circle(window)
     window.get_feature(OpenSaveFeature).document_file.path = tmp_path / "kept.cpm"
     held.set()
     hand.wait(lambda: window.session.document.image.name == "other.npy")

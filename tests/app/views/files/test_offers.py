@@ -15,6 +15,7 @@ from scipy.ndimage import gaussian_filter
 from cpm_core import PRESETS
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle, Everywhere
+from tests.app.acting import open_image
 
 pytestmark = pytest.mark.shared_window
 
@@ -31,11 +32,6 @@ def nuclei(tmp_path: Path) -> Path:
 
 def bar(window: MainWindow) -> OfferBar:
     return window.offers
-
-
-def open_image(window: MainWindow, hand, path: Path) -> None:
-    window.open_image(str(path))
-    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle)
 
 
 def press(hand, button) -> None:

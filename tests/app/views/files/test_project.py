@@ -21,7 +21,7 @@ from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Circle, Everywhere
 from tests.app.conftest import disc
-from tests.app.reading import column_texts
+from tests.app.reading import column_texts, image_name
 
 pytestmark = pytest.mark.shared_window
 
@@ -47,17 +47,13 @@ def folder(tmp_path: Path) -> Path:
     return path
 
 
-def name(window: MainWindow) -> str:
-    return window.session.document.image.name
-
-
 def table(window: MainWindow) -> list[tuple[str, str, str]]:
     shown = window.get_feature(ProjectFeature).panel.table
     return list(zip(*(column_texts(shown, column) for column in ("image", "state", "objects")), strict=True))
 
 
 def wait_for(window: MainWindow, hand, expected: str) -> None:
-    hand.wait(lambda: name(window) == expected and window.session.idle and not window.session.opening_name)
+    hand.wait(lambda: image_name(window) == expected and window.session.idle and not window.session.opening_name)
 
 
 def open_project(window: MainWindow, hand, folder: Path, first: str = "plate1.npy") -> None:
@@ -204,7 +200,9 @@ def test_proposals_are_made_on_each_untouched_image_and_reviewed_by_two_keys(win
     assert table(window)[1][1] == "◌ to propose"
     hand.key(*DONE)
     for number in (2, 3):
-        hand.wait(lambda number=number: name(window) == f"plate{number}.npy" and window.session.scene.objects.proposals)
+        hand.wait(
+            lambda number=number: image_name(window) == f"plate{number}.npy" and window.session.scene.objects.proposals
+        )
         hand.canvas.setFocus()
         hand.key(Qt.Key.Key_Return)
         assert len(window.session.document.objects.items) == 1
@@ -220,7 +218,7 @@ def test_an_image_that_needed_a_start_of_its_own_does_not_end_the_proposals_on_t
     window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
     window.trigger_action("apply_to_all")
     hand.key(*DONE)
-    hand.wait(lambda: name(window) == "plate2.npy" and window.session.scene.objects.proposals)
+    hand.wait(lambda: image_name(window) == "plate2.npy" and window.session.scene.objects.proposals)
     hand.canvas.setFocus()
     window.trigger_action("mode_shape")
     window.trigger_action("clear")
@@ -228,7 +226,7 @@ def test_an_image_that_needed_a_start_of_its_own_does_not_end_the_proposals_on_t
     assert not any(isinstance(shape, Everywhere) for shape in window.session.document.shapes)
     for _ in range(2):  # without the proposal
         hand.key(*DONE)
-    hand.wait(lambda: name(window) == "plate3.npy" and window.session.scene.objects.proposals)
+    hand.wait(lambda: image_name(window) == "plate3.npy" and window.session.scene.objects.proposals)
     assert window.session.document.mode == "automatic"
 
 
@@ -241,7 +239,7 @@ def test_proposals_that_are_not_accepted_are_not_lost_without_a_sentence(window,
     hand.key(*DONE)
     said = "Proposals that are not accepted: 1. Accept them, or press the same key again to go on without them."
     assert window.canvas_area.messages.text == said
-    assert (name(window), table(window)[0][1]) == ("plate1.npy", "○ untouched")
+    assert (image_name(window), table(window)[0][1]) == ("plate1.npy", "○ untouched")
     press(window, hand, DONE, "plate2.npy")
     assert table(window)[0] == ("plate1.npy", "● done", "0")
     hand.key(Qt.Key.Key_Left, ALT)
@@ -260,7 +258,7 @@ def test_an_image_is_not_done_by_a_key_pressed_before_its_proposals_are_there(wi
     window.session.edit("mode", lambda document: switch_mode(document, "automatic"))
     window.trigger_action("apply_to_all")
     hand.key(*DONE)
-    hand.wait(lambda: name(window) == "plate2.npy")
+    hand.wait(lambda: image_name(window) == "plate2.npy")
     hand.key(*DONE)
     said = "Objects are still being found. Wait, or press the same key again to go on without them."
     assert window.canvas_area.messages.text == said
@@ -375,7 +373,7 @@ def test_a_damaged_project_is_reported_and_left_as_it_is(window, hand, folder) -
     (folder / PROJECT_FOLDER).mkdir()
     (folder / PROJECT_FOLDER / "project.json").write_text("{")
     window.open_image(folder)
-    hand.wait(lambda: name(window) == "plate1.npy" and window.session.idle)
+    hand.wait(lambda: image_name(window) == "plate1.npy" and window.session.idle)
     assert "damaged" in window.canvas_area.messages.text
     press(window, hand, DONE, "plate2.npy")
     assert table(window)[0][1] == "● done"

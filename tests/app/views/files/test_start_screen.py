@@ -27,6 +27,7 @@ from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_
 from cpm_core.image.region import Region
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Circle
+from tests.app.acting import open_image
 
 pytestmark = pytest.mark.usefixtures("pictures_taken")
 
@@ -40,11 +41,6 @@ def screen(window: MainWindow) -> StartScreen:
 def names(window: MainWindow) -> list[str]:
     grid = screen(window).recent
     return [grid.item(row).text().partition("\n")[0] for row in range(grid.count())]
-
-
-def open_image(window: MainWindow, hand, path: Path) -> None:
-    window.open_image(str(path))
-    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle)
 
 
 @pytest.fixture

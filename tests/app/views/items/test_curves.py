@@ -13,6 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
+from tests.app.reading import contour_counts
+
 pytestmark = pytest.mark.shared_window
 
 paths = st.lists(
@@ -29,7 +31,7 @@ def test_boxes_are_the_least_and_largest_coordinates_of_each_path(drawn) -> None
 def test_pieces_that_are_not_painted_are_not_visible(ready, hand, monkeypatch) -> None:
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle and hand.canvas.layers.contours.counts == (1, 0))
+    hand.wait(lambda: ready.session.idle and contour_counts(hand.canvas.layers.contours) == (1, 0))
     ready.canvas_area.hint.hide()
     visible: list[np.ndarray] = []
     meeting = drawing.find_overlapping

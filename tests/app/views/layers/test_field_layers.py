@@ -7,6 +7,7 @@ import pytest
 from cpm_app.model.display.display_image import shade_potential
 
 from cpm_core.segmentation.engine import Engine
+from tests.app.reading import arrow_ends
 
 pytestmark = pytest.mark.shared_window
 
@@ -19,12 +20,6 @@ def test_where_the_potential_is_higher_it_is_shown_no_darker():
     shown = shade_potential(potential).ravel()[np.argsort(potential, axis=None)]
     assert (np.diff(shown.astype(int)) >= 0).all()
     assert (shown[0], shown[-1]) == (0, 255)
-
-
-def arrow_ends(layer) -> np.ndarray:
-    """Ends of the lines of the arrows (row, col), shape (N, 2)."""
-    x, y = layer.arrows.getData()
-    return np.empty((0, 2)) if x is None else np.stack([y, x], axis=1)
 
 
 def test_potential_and_field_are_shown_on_request(ready, hand):

@@ -22,7 +22,7 @@ from cpm_core.image.region import Region
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.objects.selection import Selection
 from tests.app.conftest import show_contours
-from tests.app.reading import column_texts
+from tests.app.reading import accepted_items, column_texts
 
 pytestmark = pytest.mark.shared_window
 
@@ -112,10 +112,6 @@ def choose(hand, table, row: int, modifier: Qt.KeyboardModifier = Qt.KeyboardMod
     at = cell(table, row).center()
     hand.qtbot.mouseClick(table.viewport(), LEFT, modifier, at)
     return at
-
-
-def items(window) -> tuple[SegmentedObject, ...]:
-    return window.session.document.objects.items
 
 
 def undo_name(window) -> str:
@@ -229,18 +225,18 @@ def test_contours_are_no_rows_and_the_filter_limits_the_rows_and_keeps_the_selec
 def test_accepted_closed_contours_are_objects_with_those_directly_in_them_as_holes(window, hand, drawn) -> None:
     window.workspace.object_list.select_items([("contour", 0), ("contour", 1)])
     window.actions_by_name["accept"].trigger()
-    (one,) = items(window)
+    (one,) = accepted_items(window)
     assert one.region.size == pytest.approx(900.0 - 144.0)
     assert undo_name(window) == "accept contour"
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, CONTROL)
-    assert items(window) == ()
+    assert accepted_items(window) == ()
 
 
 def test_an_open_contour_is_accepted_as_an_open_object_with_a_length_and_no_area(window, hand, drawn) -> None:
     window.workspace.object_list.select_items([("contour", 4)])
     window.actions_by_name["accept"].trigger()
-    (one,) = items(window)
+    (one,) = accepted_items(window)
     assert (one.region.size, one.region.paste(window.session.image.shape).any()) == (0.0, False)
     assert column(drawn, "area")[0] == "–"
     assert column(drawn, "length")[0] == f"{45.0 + math.hypot(2.0, 8.0):.3g}"
@@ -268,10 +264,10 @@ def test_all_proposals_are_accepted_but_doubtful_ones_only_when_they_are_selecte
     doubtful = replace(other, selection=replace(other.selection, confidence=0.2))
     window.session.store.set_scene(replace(scene, objects=replace(scene.objects, proposals=(sure, doubtful))))
     window.workspace.object_commands.accept_pending()
-    assert [item.confidence for item in items(window)] == [0.9]
+    assert [item.confidence for item in accepted_items(window)] == [0.9]
     rows.select_items([("proposal", -2)])
     window.workspace.object_commands.accept_pending()
-    assert [item.confidence for item in items(window)] == [0.9, 0.2]
+    assert [item.confidence for item in accepted_items(window)] == [0.9, 0.2]
 
 
 def test_all_rows_are_accepted_in_one_step_and_contours_are_not_among_them(window, hand, drawn) -> None:
@@ -280,10 +276,10 @@ def test_all_rows_are_accepted_in_one_step_and_contours_are_not_among_them(windo
     assert window.session.scene.selected_contours == frozenset()
     hand.canvas.setFocus()
     window.actions_by_name["accept"].trigger()
-    assert [len(item.region.boundary) for item in items(window)] == [1, 1, 1, 1]
+    assert [len(item.region.boundary) for item in accepted_items(window)] == [1, 1, 1, 1]
     assert undo_name(window) == "accept 4 objects"
     window.session.undo()
-    assert items(window) == ()
+    assert accepted_items(window) == ()
 
 
 def test_the_number_of_a_proposal_is_never_that_of_an_object(window, drawn) -> None:
@@ -294,12 +290,12 @@ def test_the_number_of_a_proposal_is_never_that_of_an_object(window, drawn) -> N
 def test_a_rejected_object_goes_until_that_is_undone(window, hand, table) -> None:
     choose(hand, table, 1)
     hand.key(KEY.Key_X)
-    assert items(window) == (FRAME,)
+    assert accepted_items(window) == (FRAME,)
     assert column(table, "class") == ["object"]
     assert window.session.document.objects.rejected == (DOT,)
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, CONTROL)
-    assert items(window) == (FRAME, DOT)
+    assert accepted_items(window) == (FRAME, DOT)
 
 
 def test_deleted_rows_are_dismissed_and_undone_together_and_contours_stay(window, hand, drawn) -> None:
@@ -317,10 +313,10 @@ def test_deleted_rows_are_dismissed_and_undone_together_and_contours_stay(window
 def test_a_digit_accepts_and_classes_and_the_second_class_leaves_the_keyboard_where_it_is(window, hand, drawn) -> None:
     choose(hand, drawn, 2)
     hand.qtbot.keyClick(drawn, KEY.Key_1)
-    assert [item.category for item in items(window)] == [1]
+    assert [item.category for item in accepted_items(window)] == [1]
     choose(hand, drawn, column(drawn, "class").index("proposal"))
     hand.qtbot.keyClick(drawn, KEY.Key_2)
-    assert [item.category for item in items(window)] == [1, 2]
+    assert [item.category for item in accepted_items(window)] == [1, 2]
     assert window.canvas_area.messages.text == "Class 2 is new; the tab Objects has a field for its name."
     assert drawn.hasFocus()
     field = window.get_feature(ObjectsFeature).panel.classes[2].name
@@ -341,20 +337,20 @@ def test_classes_are_listed_once_they_are_used_and_have_names_and_colors_in_the_
     hand.qtbot.keyClicks(field, "bone")
     hand.qtbot.keyClick(field, KEY.Key_Return)
     panel.classes[1].color.menu().actions()[0].trigger()
-    assert (window.session.document.objects.classes[0].name, items(window)[0].name) == ("bone", "frame")
+    assert (window.session.document.objects.classes[0].name, accepted_items(window)[0].name) == ("bone", "frame")
     assert window.session.document.objects.classes[0].color == "#e69f00"
     choose(hand, table, 1)
     hand.qtbot.mouseClick(panel.classes[3].digit, LEFT)
-    assert [item.category for item in items(window)] == [1, 3]
+    assert [item.category for item in accepted_items(window)] == [1, 3]
     assert column(table, "class") == ["1 bone", "class 3"]
 
 
 def test_keys_classify_and_remove_the_chosen_objects(window, hand, table) -> None:
     choose(hand, table, 0)
     hand.qtbot.keyClick(table, KEY.Key_4)
-    assert [item.category for item in items(window)] == [4, 2]
+    assert [item.category for item in accepted_items(window)] == [4, 2]
     hand.qtbot.keyClick(table, KEY.Key_Delete)
-    assert items(window) == (DOT,)
+    assert accepted_items(window) == (DOT,)
 
 
 def test_the_panel_measures_and_names_what_is_chosen(window, hand, panel, table) -> None:
@@ -368,12 +364,12 @@ def test_the_panel_measures_and_names_what_is_chosen(window, hand, panel, table)
     editor = table.findChild(QLineEdit)
     hand.qtbot.keyClicks(editor, "femur")
     hand.qtbot.keyClick(editor, KEY.Key_Return)
-    hand.wait(lambda: items(window)[0].name == "femur")
+    hand.wait(lambda: accepted_items(window)[0].name == "femur")
     assert undo_name(window) == "name frame"
     choose(hand, table, 1, CONTROL)
     hand.wait(lambda: not panel.figures.text())
     hand.qtbot.mouseClick(panel.buttons["merge_objects"], LEFT)
-    (whole,) = items(window)
+    (whole,) = accepted_items(window)
     assert (whole.number, whole.region.size) == (1, pytest.approx(1516.0, rel=0.005))
 
 
@@ -382,16 +378,16 @@ def test_objects_are_hidden_and_frozen(window, hand, table) -> None:
     choose(hand, table, 1)
     window.actions_by_name["hide_object"].trigger()
     assert layer.fills.count == 1
-    assert (window.actions_by_name["hide_object"].text(), items(window)[1].hidden) == ("Show", True)
+    assert (window.actions_by_name["hide_object"].text(), accepted_items(window)[1].hidden) == ("Show", True)
     window.actions_by_name["hide_object"].trigger()
     window.actions_by_name["freeze_object"].trigger()
-    assert items(window)[1].frozen
+    assert accepted_items(window)[1].frozen
 
 
 def test_a_click_on_the_eye_or_the_lock_changes_that_row_and_all_selected_ones_with_it(window, hand, table) -> None:
     def click(row: int, name: str) -> list[tuple[bool, bool]]:
         hand.qtbot.mouseClick(table.viewport(), LEFT, pos=cell(table, row, name).center())
-        return [(item.hidden, item.frozen) for item in items(window)]
+        return [(item.hidden, item.frozen) for item in accepted_items(window)]
 
     assert click(0, "eye") == [(True, False), (False, False)]
     assert not window.workspace.object_list.selected_keys
@@ -412,10 +408,10 @@ def test_the_slider_fades_the_selected_objects_in_one_undo_step(window, hand, pa
     panel.opacity.setFocus()
     for _ in range(2):
         hand.qtbot.keyClick(panel.opacity, Qt.Key.Key_Left)
-    assert [item.opacity for item in items(window)] == [1.0, 0.9]
+    assert [item.opacity for item in accepted_items(window)] == [1.0, 0.9]
     assert layer.fills._areas[1][2] == pytest.approx(0.9 * layer.get_amount("fill"))
     window.session.undo()
-    assert [item.opacity for item in items(window)] == [1.0, 1.0]
+    assert [item.opacity for item in accepted_items(window)] == [1.0, 1.0]
 
 
 def test_a_name_stands_above_its_object(window, hand, table) -> None:
@@ -434,7 +430,7 @@ def test_a_double_click_names_a_proposal_which_accepts_it(window, hand, drawn) -
     editor = drawn.viewport().findChild(QLineEdit) or drawn.findChild(QLineEdit)
     hand.qtbot.keyClicks(editor, "xenon")  # the first letter is a key of the window as well
     hand.qtbot.keyClick(editor, KEY.Key_Return)
-    hand.wait(lambda: [item.name for item in items(window)] == ["xenon"])
+    hand.wait(lambda: [item.name for item in accepted_items(window)] == ["xenon"])
     assert column(drawn, "name")[0] == "xenon"
 
 
@@ -446,7 +442,7 @@ def test_a_color_is_that_of_the_selected_objects(window, hand, drawn) -> None:
     popup = window.findChildren(QMenu)[-1]
     next(action for action in popup.actions() if action.text() == "Orange").trigger()
     popup.close()
-    assert [item.color for item in items(window)] == ["#e69f00"]
+    assert [item.color for item in accepted_items(window)] == ["#e69f00"]
 
 
 def test_new_contours_preserve_the_selection_and_a_name_being_edited(window, hand, drawn) -> None:

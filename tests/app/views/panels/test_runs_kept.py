@@ -7,34 +7,17 @@ import pytest
 from cpm_app.model.document import edits
 from cpm_app.session.timeline.timeline import MAX_TIMELINE_RUNS
 from cpm_app.views.features.compare import CompareFeature
-from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
 
 from cpm_core.shapes import Circle
+from tests.app.acting import run_to_the_end
+from tests.app.reading import contour_counts, navigation
 
 pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
 CONTROL = Qt.KeyboardModifier.ControlModifier
 LEFT = Qt.MouseButton.LeftButton
-
-
-@pytest.fixture
-def rested(ready, hand):
-    """A window with a finished run."""
-    run_to_the_end(ready, hand)
-    return ready
-
-
-def run_to_the_end(window, hand) -> None:
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: window.session.idle)
-
-
-def navigation(window):
-    return window.get_feature(TimelineFeature).navigation
 
 
 def names(window) -> list[str]:
@@ -103,7 +86,7 @@ def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     compared.select_row(1)
     hand.wait(lambda: 1 in compared.agreements)
     assert compared.agreements[1].hausdorff < 1.0
-    hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
+    hand.wait(lambda: sum(contour_counts(wipe.mirror.layers.contours)) > 0)
     navigation(rested).remove_branch(1)
     hand.wait(lambda: wipe.mirror is None)
     assert [row.title for row in compared.rows.values()] == ["Shown now", "Run 2"]

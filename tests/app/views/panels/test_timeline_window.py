@@ -11,7 +11,6 @@ from cpm_app.session.timeline.timeline import BYTES_PER_MEGABYTE, Timeline
 from cpm_app.session.worker.commands import WorkerCommand
 from cpm_app.views import features
 from cpm_app.views.features.compare import CompareFeature
-from cpm_app.views.features.run import TimelineFeature
 from cpm_app.views.widgets.actions import ActionButton
 from cpm_app.views.widgets.containers import ElidedLabel
 from cpm_app.views.window.preferences import PreferencesDialog
@@ -20,6 +19,7 @@ from PySide6.QtCore import Qt
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
 from cpm_core.model.state import State
+from tests.app.reading import contour_counts, navigation
 
 pytestmark = pytest.mark.shared_window
 
@@ -36,19 +36,6 @@ def fresh(ready) -> list[State]:
     while not states[-1].stop_reason:
         states.append(engine.step(states[-1], PRESETS["shape"]))
     return states
-
-
-@pytest.fixture
-def rested(ready, hand):
-    """A window with a finished run."""
-    hand.key(KEY.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: ready.session.idle)
-    return ready
-
-
-def navigation(window):
-    return window.get_feature(TimelineFeature).navigation
 
 
 def shown(window) -> np.ndarray:
@@ -131,7 +118,7 @@ def test_a_compared_branch_is_shown_at_its_end_or_at_the_same_step(rested, hand,
     compared, wipe = rested.workspace.comparison, rested.get_feature(CompareFeature).wipe
     row = 1
     compared.select_row(row)
-    hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
+    hand.wait(lambda: sum(contour_counts(wipe.mirror.layers.contours)) > 0)
     beyond = wipe.mirror.layers.particles
     np.testing.assert_array_equal(np.sort(beyond.position, axis=0), np.sort(fresh[-1].position, axis=0))
     hand.canvas.setFocus()

@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QCursor
 
 from cpm_core.numerics import polyline
-from cpm_core.objects.segmented.segmented_object import SegmentedObject
+from tests.app.reading import accepted_items
 
 pytestmark = pytest.mark.shared_window
 
@@ -27,10 +27,6 @@ def brush(hand):
     hand.key(KEY.Key_J)
     assert hand.canvas.dispatcher.tool.name == "mend"
     return hand.canvas.dispatcher.tool
-
-
-def items(window) -> tuple[SegmentedObject, ...]:
-    return window.session.document.objects.items
 
 
 def stroke(hand, *places: tuple[float, float], away: bool = False, anew: bool = False) -> None:
@@ -57,7 +53,7 @@ def differ(found: np.ndarray, expected: np.ndarray, edge: np.ndarray, tolerance:
 
 def test_a_stroke_beside_all_objects_paints_a_new_one_as_wide_as_the_ring(window, hand, brush) -> None:
     stroke(hand, (30, 20), (30, 30), (30, 40))
-    (item,) = items(window)
+    (item,) = accepted_items(window)
     radius = brush.radius
     assert item.region.size == pytest.approx(2 * radius * 20 + math.pi * radius**2, rel=0.02)
     away = near(((30, 20), (30, 40)))
@@ -66,14 +62,14 @@ def test_a_stroke_beside_all_objects_paints_a_new_one_as_wide_as_the_ring(window
     assert window.session.document.shapes == ()
     assert window.actions_by_name["undo"].text() == "Undo paint object"
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert items(window) == ()
+    assert accepted_items(window) == ()
 
 
 def test_a_stroke_from_an_object_adds_to_it_and_leaves_the_rest_of_its_boundary_as_it_was(window, hand, brush) -> None:
     stroke(hand, (20, 20), (20, 24))
-    (before,) = items(window)
+    (before,) = accepted_items(window)
     stroke(hand, (20, 24), (20, 44))
-    (after,) = items(window)
+    (after,) = accepted_items(window)
     assert after.number == before.number
     expected = near(((20, 20), (20, 44)))
     assert differ(after.region.paste((64, 64)), expected <= brush.radius, np.abs(expected - brush.radius)) == 0
@@ -84,11 +80,11 @@ def test_a_stroke_from_an_object_adds_to_it_and_leaves_the_rest_of_its_boundary_
 
 def test_a_painted_object_has_no_confidence_any_more(window, hand, brush) -> None:
     stroke(hand, (20, 20), (20, 24))
-    (made,) = items(window)
+    (made,) = accepted_items(window)
     found = replace(made, confidence=0.9)
     window.session.edit("", lambda document: accept_objects(document, [found]))
     stroke(hand, (20, 24), (20, 44))
-    assert [item.confidence for item in items(window)] == [0.0]
+    assert [item.confidence for item in accepted_items(window)] == [0.0]
 
 
 def test_the_selected_object_is_painted_wherever_a_stroke_begins_and_without_one_a_new_object_is(
@@ -96,24 +92,26 @@ def test_the_selected_object_is_painted_wherever_a_stroke_begins_and_without_one
 ) -> None:
     stroke(hand, (12, 12), (12, 20))
     stroke(hand, (50, 40), (50, 50))
-    (item,) = items(window)
+    (item,) = accepted_items(window)
     assert len(item.region.outer_curves) == 2
     assert item.region.encloses(np.array([(12.0, 16.0), (50.0, 45.0)])).all()
     hand.key(KEY.Key_Escape)
     stroke(hand, (30, 12), (30, 20))
-    assert [each.number for each in items(window)] == [1, 2]
-    assert items(window)[0] == item
+    assert [each.number for each in accepted_items(window)] == [1, 2]
+    assert accepted_items(window)[0] == item
     window.workspace.object_list.select_objects((1,))
     stroke(hand, (30, 60), away=True)
     stroke(hand, (30, 12), away=True)
-    assert items(window)[0] == item
-    assert items(window)[1].region.encloses(np.array([(30.0, 12.0)])).all(), "only the selected one is erased from"
+    assert accepted_items(window)[0] == item
+    assert accepted_items(window)[1].region.encloses(np.array([(30.0, 12.0)])).all(), (
+        "only the selected one is erased from"
+    )
 
 
 def test_a_stroke_does_not_run_over_other_objects_unless_they_may_overlap(window, hand, brush) -> None:
     stroke(hand, (30, 20), (30, 30))
     stroke(hand, (20, 30), (44, 30), anew=True)
-    first, second = (item.region.paste((64, 64)) for item in items(window))
+    first, second = (item.region.paste((64, 64)) for item in accepted_items(window))
     assert not (first & second).any()
     assert second[20, 30] and second[44, 30]
     hand.key(KEY.Key_Escape)
@@ -121,16 +119,16 @@ def test_a_stroke_does_not_run_over_other_objects_unless_they_may_overlap(window
     hand.move(30, 22)
     assert hand.canvas.viewport().cursor().shape() == Qt.CursorShape.ForbiddenCursor
     stroke(hand, (30, 22), (30, 24))
-    assert (len(items(window)), window.session.history.undo_name) == (2, steps)
+    assert (len(accepted_items(window)), window.session.history.undo_name) == (2, steps)
     assert "belongs to object 1" in window.canvas_area.messages.text
     window.actions_by_name["objects_overlap"].trigger()
     stroke(hand, (30, 22), (30, 24))
-    assert (items(window)[2].region.paste((64, 64)) & first).any()
+    assert (accepted_items(window)[2].region.paste((64, 64)) & first).any()
     window.workspace.object_list.select_objects((1,))
     window.workspace.object_commands.toggle_state("frozen")
     hand.key(KEY.Key_Escape)
     stroke(hand, (30, 22), (30, 24))
-    assert len(items(window)) == 3
+    assert len(accepted_items(window)) == 3
     assert "frozen" in window.canvas_area.messages.text
 
 
@@ -139,7 +137,7 @@ def test_a_new_object_may_be_painted_inside_another_one(window, hand, brush) -> 
     for _ in range(6):
         hand.key(KEY.Key_BracketLeft)
     stroke(hand, (20, 30), (20, 32), anew=True)
-    outer, inner = (item.region.paste((64, 64)) for item in items(window))
+    outer, inner = (item.region.paste((64, 64)) for item in accepted_items(window))
     assert inner.any() and (inner & outer).sum() == inner.sum()
 
 
@@ -153,11 +151,11 @@ def test_with_alt_the_brush_takes_away_makes_holes_and_parts_an_object_in_two(wi
     small = brush.radius
     assert small < large / 2
     stroke(hand, (30, 32), away=True)
-    (item,) = items(window)
+    (item,) = accepted_items(window)
     assert len(item.region.boundary) == 2
     assert item.region.size == pytest.approx(2 * large * 24 + math.pi * (large**2 - small**2), rel=0.02)
     stroke(hand, (15, 32), (45, 32), away=True)
-    (item,) = items(window)
+    (item,) = accepted_items(window)
     assert len(item.region.outer_curves) == 2
     whole, cut = near(((30, 20), (30, 44))), near(((15, 32), (45, 32)))
     edge = np.minimum(np.abs(whole - large), np.abs(cut - small))
@@ -172,9 +170,9 @@ def test_escape_in_a_stroke_brings_the_objects_back(window, hand, brush) -> None
     assert window.session.document != before
     hand.qtbot.keyClick(hand.canvas, KEY.Key_Escape)
     hand.release(40, 30)
-    assert items(window) == before.objects.items
+    assert accepted_items(window) == before.objects.items
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert items(window) == ()
+    assert accepted_items(window) == ()
 
 
 def test_enter_and_arrow_keys_paint_and_with_alt_take_away(window, hand, brush) -> None:
@@ -185,11 +183,11 @@ def test_enter_and_arrow_keys_paint_and_with_alt_take_away(window, hand, brush) 
     for _ in range(5):
         hand.key(KEY.Key_Right)
     hand.key(KEY.Key_Return)
-    (item,) = items(window)
+    (item,) = accepted_items(window)
     rows, cols = np.ptp(np.concatenate([np.array(curve) for curve in item.region.boundary]), axis=0)
     assert rows == pytest.approx(2 * brush.radius, rel=0.02)
     assert cols > rows + 2
     hand.key(KEY.Key_Return, SHIFT)
     hand.key(KEY.Key_Return)
-    (less,) = items(window)
+    (less,) = accepted_items(window)
     assert less.region.size < item.region.size - 0.9 * math.pi * brush.radius**2 / 2

@@ -23,6 +23,7 @@ from cpm_core.image.region import Region
 from cpm_core.objects.segmented import Click, SegmentedObject
 from cpm_core.objects.selection import UNLIKELY_REMARK
 from cpm_core.shapes import Barrier, Circle, Polygon, PolygonRegion
+from tests.app.reading import accepted_items
 
 pytestmark = pytest.mark.shared_window
 
@@ -58,10 +59,6 @@ def objects(window, hand):
 @pytest.fixture
 def layer(window):
     return window.canvas_area.canvas.layers["objects"]
-
-
-def taken(window):
-    return window.session.document.objects.items
 
 
 def overlap(one: np.ndarray, other: np.ndarray) -> float:
@@ -105,7 +102,7 @@ def test_the_pointer_shows_what_a_click_takes_and_the_click_takes_that(window, h
     assert layer.added.count
     click(hand, 18, 18)
     np.testing.assert_array_equal(offered(objects), preview)
-    assert taken(window) == ()
+    assert accepted_items(window) == ()
     hand.canvas.remove_pointer()
     assert not layer.added.count
 
@@ -150,20 +147,20 @@ def test_enter_accepts_the_object_without_a_word_and_the_next_click_begins_the_n
     hand.wait(lambda: objects.idle)
     hand.qtbot.wait(20)
     assert window.session.scene.objects.preview is None
-    (item,) = taken(window)
+    (item,) = accepted_items(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     assert not objects.selecting
     click(hand, 43, 42)
     assert overlap(offered(objects), disk(*LARGE)) > 0.9
     hand.key(KEY.Key_Return)
-    assert [item.number for item in taken(window)] == [1, 2]
+    assert [item.number for item in accepted_items(window)] == [1, 2]
 
 
 def test_enter_right_after_a_click_accepts_what_it_means(window, hand, objects) -> None:
     hand.click(18, 18)
     hand.key(KEY.Key_Return)
-    hand.wait(lambda: bool(taken(window)))
-    assert overlap(taken(window)[0].region.paste((64, 64)), disk(*SMALL)) > 0.9
+    hand.wait(lambda: bool(accepted_items(window)))
+    assert overlap(accepted_items(window)[0].region.paste((64, 64)), disk(*SMALL)) > 0.9
     assert not objects.selecting
 
 
@@ -181,7 +178,7 @@ def test_enter_accepts_what_is_seen_although_another_object_changes_before(windo
     window.session.edit("delete", lambda document: delete_objects(document, frozenset({1})))
     hand.wait(lambda: objects.answered and objects.idle)
     hand.key(KEY.Key_Return)
-    (item,) = taken(window)
+    (item,) = accepted_items(window)
     np.testing.assert_array_equal(item.region.paste((64, 64)), seen)
 
 
@@ -268,7 +265,7 @@ def test_a_click_is_marked_as_being_worked_on_at_once_and_until_its_answer_is_sh
     hand.wait(lambda: objects.idle and objects.answered)
     assert window.session.scene.objects.awaited == ()
     assert not layer.awaited.isVisible()
-    assert len(taken(window)) == 1
+    assert len(accepted_items(window)) == 1
     assert objects.selecting
 
 
@@ -299,12 +296,12 @@ def test_what_waits_for_an_answer_that_does_not_come_is_given_up(window, hand, o
         hand.key(KEY.Key_Return)
         hand.wait(lambda: objects.idle)
         assert "No answer" in window.canvas_area.messages.text
-        assert taken(window) == window.session.scene.objects.awaited == ()
+        assert accepted_items(window) == window.session.scene.objects.awaited == ()
         hand.key(KEY.Key_Z, CONTROL)
         assert not objects.selecting
     click(hand, 18, 18)
     take(hand)
-    assert len(taken(window)) == 1
+    assert len(accepted_items(window)) == 1
 
 
 def test_an_older_answer_that_does_not_come_leaves_what_waits_for_a_newer_one(
@@ -327,7 +324,7 @@ def test_an_older_answer_that_does_not_come_leaves_what_waits_for_a_newer_one(
     hand.key(KEY.Key_Return)
     fails.set()
     hand.wait(lambda: objects.idle and objects.answered)
-    assert len(taken(window)) == 1
+    assert len(accepted_items(window)) == 1
 
 
 def test_a_stroke_or_a_start_that_reaches_into_an_accepted_object_stays_out_of_it(window, hand, objects, part) -> None:
@@ -347,7 +344,7 @@ def test_what_waits_is_dropped_with_the_image(window, hand, objects, monkeypatch
     hand.wait(lambda: window.session.image is not opened)
     answer.set()
     hand.wait(lambda: objects.idle and window.session.idle)
-    assert taken(window) == ()
+    assert accepted_items(window) == ()
     assert not objects.selecting
 
 
@@ -357,7 +354,7 @@ def test_the_first_use_of_a_class_leaves_the_keyboard_with_the_canvas(window, ha
         take(hand)
     hand.key(KEY.Key_2)
     hand.key(KEY.Key_J)
-    assert [item.category for item in taken(window)] == [1, 2]
+    assert [item.category for item in accepted_items(window)] == [1, 2]
     assert window.session.document.objects.classes[1].name == ""
     assert hand.canvas.dispatcher.tool.name == "mend"
 
@@ -417,15 +414,15 @@ def test_undo_of_enter_brings_back_the_outline_that_was_seen_whatever_would_be_f
     click(hand, 43, 42)
     seen = offered(objects)
     take(hand)
-    (item,) = taken(window)
+    (item,) = accepted_items(window)
     select = Partition.select
     monkeypatch.setattr(Partition, "select", lambda self, *given, **more: select(self, [(60.0, 5.0)]))
     hand.key(KEY.Key_Z, CONTROL)
     hand.wait(lambda: objects.idle and bool(objects.proposals))
-    assert not taken(window) and len(window.session.document.objects.clicks) == 2
+    assert not accepted_items(window) and len(window.session.document.objects.clicks) == 2
     np.testing.assert_array_equal(offered(objects), seen)
     take(hand)
-    assert taken(window)[0].region == item.region
+    assert accepted_items(window)[0].region == item.region
 
 
 @pytest.mark.parametrize("corners", [6, 30])
@@ -463,7 +460,7 @@ def test_a_click_in_an_object_chooses_it_and_a_click_in_a_chosen_one_corrects_it
     assert overlap(offered(objects), disk(*SMALL)) > 0.9
     click(hand, 43, 42)
     take(hand)
-    (item,) = taken(window)
+    (item,) = accepted_items(window)
     assert item.number == 1
     assert item.region.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
 
@@ -476,7 +473,7 @@ def test_a_click_in_one_of_several_chosen_objects_chooses_it_alone(window, hand,
     assert not objects.selecting
     assert len(window.workspace.object_list.selected_numbers) == 1
     hand.key(KEY.Key_Delete)
-    (left,) = taken(window)
+    (left,) = accepted_items(window)
     assert left.region.encloses(np.array([LARGE[0]])).all()
 
 
@@ -534,7 +531,7 @@ def test_a_click_with_control_in_an_object_selects_another_one_there(window, han
     assert window.session.document.objects.edited == 0
     assert objects.selecting
     take(hand)
-    assert [item.number for item in taken(window)] == [1, 2]
+    assert [item.number for item in accepted_items(window)] == [1, 2]
 
 
 @pytest.fixture
@@ -551,7 +548,7 @@ def test_answers_stay_out_of_accepted_objects_unless_objects_may_overlap(window,
     assert not (offered(objects) & part).any()
     assert overlap(offered(objects), disk(*LARGE) & ~part) > 0.9
     take(hand)
-    assert not (taken(window)[1].region.paste((64, 64)) & part).any()
+    assert not (accepted_items(window)[1].region.paste((64, 64)) & part).any()
     hand.key(KEY.Key_Z, CONTROL)
     hand.key(KEY.Key_Escape)
     window.actions_by_name["objects_overlap"].trigger()
@@ -607,13 +604,13 @@ def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window
     assert "2 proposals. Enter accepts all" in window.canvas_area.hint.text()
     assert layer.proposal_fill.count == 2
     hand.key(KEY.Key_Return)
-    masks = [item.region.paste((64, 64)) for item in taken(window)]
+    masks = [item.region.paste((64, 64)) for item in accepted_items(window)]
     assert [max(overlap(mask, disk(*where)) for mask in masks) > 0.9 for where in (SMALL, LARGE)] == [True, True]
     selection = window.workspace.object_selection
     hand.wait(lambda: selection.idle and not selection.proposals)
     hand.key(KEY.Key_Z, CONTROL)
     hand.wait(lambda: len(selection.proposals) == 2)
-    assert not taken(window)
+    assert not accepted_items(window)
 
 
 @pytest.fixture
@@ -651,12 +648,12 @@ def test_enter_accepts_what_a_run_found_although_an_object_accepted_before_was_s
     doubtful(LARGE[0])
     click(hand, 18, 18)
     hand.key(KEY.Key_Return)
-    first = taken(window)
+    first = accepted_items(window)
     assert [item.number for item in window.workspace.object_list.selected_objects] == [first[0].number]
     run_everywhere(hand, 1)
     assert "1 proposal" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
-    assert len(taken(window)) == 2
+    assert len(accepted_items(window)) == 2
 
 
 @pytest.mark.parametrize("sure", [SMALL[0], LARGE[0]])
@@ -671,7 +668,7 @@ def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_
     measured = []
     monkeypatch.setattr(object_measures, "_measure_object", lambda item, image: measured.append(item))
     take(hand)
-    assert len(taken(window)) == 1
+    assert len(accepted_items(window)) == 1
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
     (row,) = [row for row in found.rows if row.kind == "proposal"]
     assert (row.title, row.key) == (left.title, left.key)
@@ -679,10 +676,10 @@ def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_
     hand.key(KEY.Key_S)
     assert "Enter: accept" not in window.canvas_area.hint.text()
     take(hand)
-    assert len(taken(window)) == 1
+    assert len(accepted_items(window)) == 1
     found.select_objects((row.key[1],))
     take(hand)
-    assert len(taken(window)) == 2
+    assert len(accepted_items(window)) == 2
     hand.qtbot.wait(50)
     assert not measured
 
@@ -708,8 +705,8 @@ def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, 
     )
     assert hint.text().startswith("2 of 3 proposals are selected. Enter accepts them")
     take(hand)
-    assert len(taken(window)) == 2
-    assert any(item.region.encloses(np.array([corner]))[0] for item in taken(window))
+    assert len(accepted_items(window)) == 2
+    assert any(item.region.encloses(np.array([corner]))[0] for item in accepted_items(window))
 
 
 @pytest.mark.parametrize("where", [SMALL, LARGE])
@@ -720,7 +717,7 @@ def test_a_proposal_that_is_clicked_again_is_accepted_by_enter(window, hand, obj
         hand.qtbot.wait(20)
     assert objects.selecting
     take(hand)
-    (item,) = taken(window)
+    (item,) = accepted_items(window)
     assert overlap(item.region.paste((64, 64)), disk(*where)) > 0.9
 
 
@@ -729,7 +726,7 @@ def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(wind
     click(hand, 18, 18)
     assert "1 of 2 proposals" in window.canvas_area.hint.text()
     take(hand)
-    (item,) = taken(window)
+    (item,) = accepted_items(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     (rest,) = objects.proposals
     hand.wait(lambda: objects.idle)
@@ -737,7 +734,7 @@ def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(wind
     window.workspace.object_list.select_objects((rest.key,))
     hand.key(KEY.Key_X)
     hand.wait(lambda: objects.idle and not objects.proposals)
-    assert len(taken(window)) == 1
+    assert len(accepted_items(window)) == 1
     hand.key(KEY.Key_Z, CONTROL)
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
 
@@ -750,17 +747,17 @@ def test_a_deleted_object_of_the_shown_run_is_not_proposed_again_until_undone_or
     hand.wait(lambda: objects.idle and not objects.proposals)
     hand.key(KEY.Key_A, CONTROL)
     hand.key(KEY.Key_Delete)
-    assert taken(window) == ()
+    assert accepted_items(window) == ()
     hand.wait(lambda: objects.idle)
     assert objects.proposals == ()
     hand.key(KEY.Key_Z, CONTROL)
-    assert len(taken(window)) == 2
+    assert len(accepted_items(window)) == 2
     hand.key(KEY.Key_Z, CONTROL)
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
     for _ in range(2):
         hand.key(KEY.Key_Z, CONTROL | SHIFT)
     hand.wait(lambda: objects.idle and not objects.proposals)
-    assert taken(window) == ()
+    assert accepted_items(window) == ()
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
@@ -775,11 +772,11 @@ def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_aga
     run_everywhere(hand)
     for _ in range(2):  # the start, and the deletion
         hand.key(KEY.Key_Z, CONTROL)
-    assert len(taken(window)) == 1
+    assert len(accepted_items(window)) == 1
     window.workspace.object_list.select_objects((1,))
     hand.key(KEY.Key_Delete)
     hand.qtbot.wait(20)
-    hand.wait(lambda: objects.idle and not taken(window))
+    hand.wait(lambda: objects.idle and not accepted_items(window))
     objects.search_again()
     hand.wait(lambda: objects.idle and objects.offer_is_known)
     assert [each.selection.contains(np.array([SMALL[0]])).all() for each in objects.proposals] == [True]
@@ -795,25 +792,25 @@ def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_aga
 def test_a_deleted_object_is_not_proposed_again_after_reopening(window, hand, objects, tmp_path, repeated) -> None:
     run_everywhere(hand)
     take(hand)
-    hand.wait(lambda: objects.idle and len(taken(window)) == 2)
+    hand.wait(lambda: objects.idle and len(accepted_items(window)) == 2)
     window.workspace.object_list.select_objects((1,))
     hand.canvas.setFocus()
     hand.key(KEY.Key_Delete)
-    hand.wait(lambda: objects.idle and len(taken(window)) == 1)
+    hand.wait(lambda: objects.idle and len(accepted_items(window)) == 1)
     if repeated:
         hand.key(KEY.Key_Z, CONTROL)
-        hand.wait(lambda: objects.idle and len(taken(window)) == 2)
+        hand.wait(lambda: objects.idle and len(accepted_items(window)) == 2)
         hand.key(KEY.Key_Space)
         hand.wait_for_phase("finished")
         hand.key(KEY.Key_Z, CONTROL | SHIFT)
         hand.wait(lambda: window.session.idle and objects.offer_is_known and objects.idle)
-        assert (len(taken(window)), objects.proposals) == (1, ())
+        assert (len(accepted_items(window)), objects.proposals) == (1, ())
     assert window.document_file.save_and_wait(tmp_path / "deleted.cpm")
     with hand.qtbot.waitSignal(window.session.image_changed):
         window.session.open_file(tmp_path / "deleted.cpm")
     hand.wait(lambda: window.session.status.phase == "finished" and objects.offer_is_known and objects.idle)
     assert objects.proposals == ()
-    assert len(taken(window)) == 1
+    assert len(accepted_items(window)) == 1
 
 
 def test_delete_deletes_objects_and_rejects_only_the_proposals_among_them(window, hand, objects) -> None:
@@ -822,8 +819,8 @@ def test_delete_deletes_objects_and_rejects_only_the_proposals_among_them(window
     window.workspace.object_list.select_objects((first.key,))
     hand.canvas.setFocus()
     take(hand)
-    hand.wait(lambda: objects.idle and len(taken(window)) == 1)
-    window.workspace.object_list.select_objects((taken(window)[0].number, second.key))
+    hand.wait(lambda: objects.idle and len(accepted_items(window)) == 1)
+    window.workspace.object_list.select_objects((accepted_items(window)[0].number, second.key))
     hand.key(KEY.Key_Delete)
     known = window.session.document.objects
     assert (known.items, len(known.rejected), len(known.deleted)) == ((), 1, 1)
@@ -845,23 +842,23 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
     hand.key(KEY.Key_3)
     hand.key(KEY.Key_L, CONTROL)  # before the answer to the click
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2 and window.session.idle)
-    assert len(taken(window)) == 1
+    assert len(accepted_items(window)) == 1
     assert window.canvas_area.messages.text == "Objects like this one: 2."
     rows = [row.title for row in window.workspace.object_list.rows if row.kind == "proposal"]
     assert rows == ["proposal 1", "proposal 2"]
     hand.key(KEY.Key_1)  # the class of the next object
     take(hand)
     accepted = 3 if confidence > 0.7 else 2
-    assert [item.category for item in taken(window)] == [3] * accepted
+    assert [item.category for item in accepted_items(window)] == [3] * accepted
     assert bool(window.workspace.object_list.selected_keys) == (accepted == 3), "what is left comes next"
-    window.workspace.object_list.select_objects(item.number for item in taken(window)[1:])
+    window.workspace.object_list.select_objects(item.number for item in accepted_items(window)[1:])
     hand.key(KEY.Key_Delete)
     hand.qtbot.wait(20)
     hand.wait(lambda: objects.idle)
     assert len(objects.proposals) == 3 - accepted, "what was deleted is not proposed again"
     for left in (accepted, 1):
         hand.key(KEY.Key_Z, CONTROL)
-        assert len(taken(window)) == left
+        assert len(accepted_items(window)) == left
     hand.qtbot.wait(20)
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
@@ -895,7 +892,7 @@ def test_all_like_an_object_come_after_what_a_run_proposes_and_enter_right_after
         window.get_feature(ObjectsFeature).panel.table.setFocus()
     take(hand)
     may_find.set()
-    hand.wait(lambda: objects.idle and len(taken(window)) == 3)
+    hand.wait(lambda: objects.idle and len(accepted_items(window)) == 3)
 
 
 def test_objects_like_one_found_before_a_run_ends_stay_beside_what_it_proposes_each_once(
@@ -969,7 +966,7 @@ def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(win
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
     assert overlap(offered(objects), disk(*SMALL)) > 0.9
     take(hand)
-    (item,) = taken(window)
+    (item,) = accepted_items(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
 
@@ -1005,11 +1002,11 @@ def test_brackets_take_the_next_candidate_and_undo_takes_the_step_back(window, h
     hand.wait(lambda: objects.idle and offered(objects).sum() == disk(SMALL[0], 5.0).sum())
     take(hand)
     assert "Candidate" not in window.canvas_area.messages.text
-    (item,) = taken(window)
+    (item,) = accepted_items(window)
     assert item.clicks[-1].step == -1
     objects.refit_objects(frozenset({1}))
     hand.wait(lambda: window.session.tasks.idle)
-    assert taken(window)[0].region.size == pytest.approx(item.region.size)
+    assert accepted_items(window)[0].region.size == pytest.approx(item.region.size)
     for _ in range(2):
         hand.key(KEY.Key_Z, CONTROL)
     hand.wait(lambda: objects.idle and bool(objects.proposals))
@@ -1049,7 +1046,7 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     likely = format_confidence(selection.proposals[0].selection)
     assert f"1 proposal, {likely}. Enter accepts it" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
-    (item,) = taken(window)
+    (item,) = accepted_items(window)
     assert overlap(item.region.paste((64, 64)), disk(*SMALL)) > 0.9
     hand.wait(lambda: selection.idle and not selection.proposals)
 
@@ -1144,12 +1141,12 @@ def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> No
 def test_rejecting_a_correction_leaves_the_object_and_the_preview_of_clicks_as_they_were(window, hand, objects) -> None:
     click(hand, *SMALL[0])
     take(hand)
-    before = taken(window)
+    before = accepted_items(window)
     for where in (SMALL, LARGE):
         click(hand, *where[0])
     assert window.session.document.objects.edited == 1
     hand.key(KEY.Key_X)
     hand.wait(lambda: objects.idle and not objects.selecting)
-    assert taken(window) == before
+    assert accepted_items(window) == before
     hand.move(44, 43)
     hand.wait(lambda: window.session.scene.objects.preview is not None)

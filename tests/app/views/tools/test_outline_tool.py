@@ -10,6 +10,7 @@ from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 
 from tests.app.conftest import Hand
+from tests.app.reading import accepted_items
 
 pytestmark = pytest.mark.shared_window
 
@@ -20,10 +21,6 @@ AREA = math.pi * RADIUS**2
 
 def at(angle: float, radius: float = RADIUS) -> tuple[float, float]:
     return CENTER[0] + radius * math.sin(angle), CENTER[1] + radius * math.cos(angle)
-
-
-def items(window: MainWindow):
-    return window.session.document.objects.items
 
 
 @pytest.fixture
@@ -44,7 +41,7 @@ def outlined(ready: MainWindow, hand: Hand) -> MainWindow:
     hand.key(KEY.Key_U)
     hand.wait(lambda: ready.workspace.outline_editing.edges is not None and ready.session.idle)
     (contour,) = ready.session.scene.contours
-    assert contour.closed and items(ready) == ()
+    assert contour.closed and accepted_items(ready) == ()
     return ready
 
 
@@ -73,18 +70,18 @@ def farthest(item) -> float:
 
 def test_a_closed_line_along_the_edge_is_an_object_before_any_run(drawing, hand) -> None:
     click_along(hand, 0.0, 2.0, 4.0, 0.0)
-    (one,) = items(drawing)
+    (one,) = accepted_items(drawing)
     assert one.region.size == pytest.approx(AREA, rel=0.04) and one.measure_gap_length() < 3.0
     assert drawing.workspace.object_list.selected_numbers == {1}
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert items(drawing) == ()
+    assert accepted_items(drawing) == ()
 
 
 def test_an_open_line_along_the_edge_is_an_open_object_with_a_length_and_no_area(drawing, hand) -> None:
     click_along(hand, 0.0, 1.0, 2.0)
     hand.key(KEY.Key_Return)
-    (one,) = items(drawing)
+    (one,) = accepted_items(drawing)
     assert (one.region.size, one.region.boundary) == (0.0, ())
     assert one.measure_perimeter() == pytest.approx(2.0 * RADIUS, rel=0.04)
     assert np.abs(np.hypot(*(np.array(one.line) - CENTER).T) - RADIUS).max() < 1.0
@@ -95,31 +92,31 @@ def test_an_open_line_along_the_edge_is_an_open_object_with_a_length_and_no_area
 def test_delete_removes_the_line_that_was_just_drawn(drawing, hand) -> None:
     click_along(hand, 0.0, 1.0, 2.0)
     hand.key(KEY.Key_Return)
-    assert len(items(drawing)) == 1
+    assert len(accepted_items(drawing)) == 1
     hand.key(KEY.Key_Delete)
-    assert items(drawing) == ()
+    assert accepted_items(drawing) == ()
 
 
 def test_a_freehand_line_snaps_and_closes_where_it_began(drawing, hand) -> None:
     hand.drag(*(at(angle, RADIUS + 1.0) for angle in np.linspace(0.0, 2.0 * math.pi, 40)))
-    (one,) = items(drawing)
+    (one,) = accepted_items(drawing)
     assert one.region.size == pytest.approx(AREA, rel=0.04)
 
 
 def test_a_line_between_two_places_of_an_object_redraws_the_stretch(drawing, hand) -> None:
     click_along(hand, 0.0, 2.0, 4.0, 0.0)
-    before = items(drawing)[0].region.size
+    before = accepted_items(drawing)[0].region.size
     redraw_stretch(hand)
-    (one,) = items(drawing)
+    (one,) = accepted_items(drawing)
     assert one.number == 1 and farthest(one) == pytest.approx(RADIUS + 8.0, abs=1.0)
     assert before < one.region.size < before + 60.0
 
 
 def test_a_line_between_two_places_of_a_contour_makes_an_object_of_it_in_one_step(outlined, hand) -> None:
     redraw_stretch(hand)
-    (one,) = items(outlined)
+    (one,) = accepted_items(outlined)
     assert farthest(one) == pytest.approx(RADIUS + 8.0, abs=1.0)
     (contour,) = outlined.session.scene.contours
     assert np.hypot(*(contour.points - CENTER).T).max() < RADIUS + 1.0, "the run is as it was"
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert items(outlined) == ()
+    assert accepted_items(outlined) == ()

@@ -14,6 +14,7 @@ from PySide6.QtGui import QCursor
 from cpm_core.image.region import Region
 from cpm_core.numerics import polyline
 from cpm_core.objects.segmented import SegmentedObject
+from tests.app.reading import accepted_items
 
 pytestmark = pytest.mark.shared_window
 
@@ -57,15 +58,11 @@ def around() -> np.ndarray:
     return np.concatenate(parts)
 
 
-def items(window):
-    return window.session.document.objects.items
-
-
 def check_halves(window) -> None:
-    for item, number in zip(items(window), (0, 1), strict=True):
+    for item, number in zip(accepted_items(window), (0, 1), strict=True):
         found, true = item.region.paste((64, 64)), nucleus(number)
         assert (found & true).sum() / (found | true).sum() > 0.93
-    assert [(item.number, item.name) for item in items(window)] == [(1, "both"), (2, "")]
+    assert [(item.number, item.name) for item in accepted_items(window)] == [(1, "both"), (2, "")]
 
 
 def test_two_clicks_part_touching_nuclei_in_one_step_of_undo(pair, hand) -> None:
@@ -81,7 +78,7 @@ def test_two_clicks_part_touching_nuclei_in_one_step_of_undo(pair, hand) -> None
     assert pair.workspace.object_list.selected_numbers == {1, 2}
     assert pair.session.history.undo_name == "split both"
     hand.key(KEY.Key_Z, CONTROL)
-    (item,) = items(pair)
+    (item,) = accepted_items(pair)
     assert item.name == "both"
 
 
@@ -89,7 +86,7 @@ def test_two_clicks_part_touching_nuclei_in_one_step_of_undo(pair, hand) -> None
 def test_a_line_across_parts_them_too(pair, hand, line) -> None:
     hand.drag(*line)
     check_halves(pair)
-    assert sum(map(len, items(pair)[0].gaps)) < 8, "it follows the edge between them"
+    assert sum(map(len, accepted_items(pair)[0].gaps)) < 8, "it follows the edge between them"
 
 
 def test_keys_part_them(pair, hand) -> None:
@@ -106,11 +103,11 @@ def test_a_frozen_object_stays_and_escape_forgets_the_first_half(pair, hand) -> 
     hand.click(24, 20)
     hand.key(KEY.Key_Escape)
     hand.click(39, 44)
-    assert len(items(pair)) == 1 and hand.canvas.dispatcher.tool.has_draft
+    assert len(accepted_items(pair)) == 1 and hand.canvas.dispatcher.tool.has_draft
     pair.workspace.object_list.select_objects((1,))
     pair.workspace.object_commands.toggle_state("frozen")
     hand.drag((40, 20), (22, 44))
-    assert len(items(pair)) == 1 and "frozen" in pair.canvas_area.messages.text
+    assert len(accepted_items(pair)) == 1 and "frozen" in pair.canvas_area.messages.text
     hand.click(3, 3)
     assert "no object here" in pair.canvas_area.messages.text
 
@@ -128,6 +125,6 @@ def test_both_halves_of_a_proposal_are_accepted(window, hand) -> None:
     hand.move(5, 5)
     hand.wait(lambda: window.workspace.outline_editing.edges is not None)
     hand.drag((40, 20), (22, 44))
-    assert len(items(window)) == 2 and not selection.selecting
+    assert len(accepted_items(window)) == 2 and not selection.selecting
     hand.key(KEY.Key_Z, CONTROL)
-    assert items(window) == () and selection.selecting
+    assert accepted_items(window) == () and selection.selecting

@@ -29,17 +29,13 @@ from cpm_core.shapes import (
     Stroke,
     Threshold,
 )
+from tests.app.reading import only_shape
 
 pytestmark = pytest.mark.shared_window
 
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
 PIXEL = 0.5
 CORNERS = ((10.0, 12.0), (12.0, 48.0), (50.0, 44.0), (46.0, 10.0))
-
-
-def only(window):
-    (shape,) = window.session.document.shapes
-    return shape
 
 
 def add(window, *shapes) -> None:
@@ -63,7 +59,7 @@ def drag_with(hand, modifiers: MODIFIER, begin, end) -> None:
 def test_a_drag_with_the_ellipse_tool_draws_it_in_its_box_as_one_step_of_undo(window, hand) -> None:
     hand.key(KEY.Key_L)
     hand.drag((10, 12), (20, 30), (30, 52))
-    ellipse = only(window)
+    ellipse = only_shape(window)
     assert isinstance(ellipse, Ellipse)
     assert ellipse.center == pytest.approx((20, 32), abs=PIXEL)
     assert ellipse.radii == pytest.approx((20, 10), abs=PIXEL)
@@ -95,7 +91,7 @@ def test_shift_restricts_the_sides_of_a_path_to_eight_directions(window, hand) -
         drag_with(hand, MODIFIER.ShiftModifier, end, end)
     hand.canvas.setFocus()
     hand.key(KEY.Key_Return)
-    points = np.array(only(window).points)
+    points = np.array(only_shape(window).points)
     sides = np.degrees(np.arctan2(*np.diff(points, axis=0).T)) / 45.0
     np.testing.assert_allclose(sides, np.round(sides), atol=1e-6)
     assert tuple(points[1]) == pytest.approx((10, 40), abs=PIXEL)
@@ -105,10 +101,10 @@ def test_an_ellipse_is_resized_and_turned_by_its_handles_with_any_tool(window, h
     add(window, Ellipse((32.0, 32.0), (20.0, 10.0)))
     window.session.select_shape(0)
     hand.drag((32, 52), (32, 46), (35, 44))
-    assert only(window).radii == pytest.approx((12, 10), abs=PIXEL)
-    turning = only(window).handles()[-1]
+    assert only_shape(window).radii == pytest.approx((12, 10), abs=PIXEL)
+    turning = only_shape(window).handles()[-1]
     hand.drag(turning, (44, 44), (50, 32))
-    turned = only(window)
+    turned = only_shape(window)
     assert turned.angle == pytest.approx(math.pi / 2, abs=0.05)
     assert turned.radii == pytest.approx((12, 10), abs=PIXEL)
 
@@ -132,12 +128,12 @@ def test_less_and_greater_change_the_size_of_the_selected_shape_and_undo_brings_
         window.session.select_shape(0)
         hand.canvas.setFocus()
         hand.key(KEY.Key_BracketRight)
-        assert value(only(window)) > value(shape)
+        assert value(only_shape(window)) > value(shape)
         hand.key(KEY.Key_BracketLeft)
         hand.key(KEY.Key_BracketLeft)
-        assert value(only(window)) < value(shape)
+        assert value(only_shape(window)) < value(shape)
         hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
-        assert only(window) == shape
+        assert only_shape(window) == shape
 
 
 def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_in_one_place(window, hand) -> None:
@@ -145,7 +141,7 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
     assert "spray" in window.canvas_area.hint.text()
     way = [(20.0, 20.0), (20.0, 30.0), (30.0, 40.0), (40.0, 40.0)]
     hand.drag(*way)
-    points = only(window)
+    points = only_shape(window)
     assert isinstance(points, Points)
     radius = window.canvas_area.canvas.dispatcher.tool.radius
     positions = np.array(points.positions)
@@ -157,7 +153,7 @@ def test_spraying_scatters_points_in_the_ring_as_one_step_of_undo_and_never_two_
     assert window.session.document.shapes == ()
     assert "spray" in window.canvas_area.hint.text()  # not to draw a circle, which this tool does not
     hand.drag((1.0, 1.0), (0.0, 0.0), (-3.0, -3.0))
-    assert (np.array(only(window).positions) >= -0.5).all()
+    assert (np.array(only_shape(window).positions) >= -0.5).all()
 
 
 def test_the_eraser_deletes_single_points_and_other_shapes_that_it_touches_and_keeps_the_rest(window, hand) -> None:
@@ -179,17 +175,17 @@ def test_the_eraser_deletes_single_points_and_other_shapes_that_it_touches_and_k
 def test_a_click_places_a_charge_and_a_drag_moves_it(window, hand, key, sign) -> None:
     hand.key(key)
     hand.click(20, 20)
-    dropped = only(window)
+    dropped = only_shape(window)
     assert isinstance(dropped, Charge)
     assert dropped.strength * sign > 0
     assert dropped.position == pytest.approx((20, 20), abs=PIXEL)
     assert window.session.selected_shape == 0
     hand.drag((20, 20), (30, 30), (40, 35))
-    assert only(window).position == pytest.approx((40, 35), abs=PIXEL)
-    assert only(window).strength == dropped.strength
+    assert only_shape(window).position == pytest.approx((40, 35), abs=PIXEL)
+    assert only_shape(window).strength == dropped.strength
     assert window.actions_by_name["undo"].text().startswith("Undo move")
     hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
-    assert only(window) == dropped
+    assert only_shape(window) == dropped
     hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
     assert window.session.document.shapes == ()
 

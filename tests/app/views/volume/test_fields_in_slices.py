@@ -8,16 +8,12 @@ from cpm_app.model.volume.slices import SampledForce, Slice
 from cpm_app.views.features.volumes import SlicesFeature
 from PySide6.QtCore import Qt
 
+from tests.app.reading import arrow_ends
+
 pytestmark = pytest.mark.shared_window
 
 KEY, ALT = Qt.Key, Qt.KeyboardModifier.AltModifier
 CENTER = np.array([11.5, 13.5, 15.5])
-
-
-def arrow_ends(layer) -> np.ndarray:
-    """Ends of the lines of the arrows (row, col), shape (N, 2)."""
-    x, y = layer.arrows.getData()
-    return np.empty((0, 2)) if x is None else np.stack([y, x], axis=1)
 
 
 def test_arrows_of_the_field_point_to_the_surface_in_every_slice(volume, hand) -> None:

@@ -22,7 +22,7 @@ from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.shapes import EnclosedRegion
 from tests.app.conftest import Hand
 from tests.app.exporting import export
-from tests.app.reading import treat_as_saved
+from tests.app.reading import accepted_items, treat_as_saved
 from tests.app.views.volume.conftest import SHAPE, Button
 
 pytestmark = pytest.mark.shared_window
@@ -88,13 +88,9 @@ def take(hand: Hand) -> None:
     hand.key(KEY.Key_Return)
 
 
-def items(window) -> tuple[SegmentedObject, ...]:
-    return window.session.document.objects.items
-
-
 def bodies(window) -> list[float]:
     """Volumes of the objects [voxels]."""
-    return [item.region.surface.volume for item in items(window)]
+    return [item.region.surface.volume for item in accepted_items(window)]
 
 
 BALL = 4.0 / 3.0 * np.pi * RADIUS**3
@@ -113,7 +109,7 @@ def test_the_bodies_of_the_starts_are_offered_and_taken_by_enter(found, hand) ->
     assert hand.canvas.layers["objects"].proposal_fill.count > 0
     hand.key(KEY.Key_Return)
     assert bodies(found) == pytest.approx([BALL, BALL], rel=0.08)
-    assert {item.number for item in items(found)} == {1, 2}
+    assert {item.number for item in accepted_items(found)} == {1, 2}
 
 
 def test_a_run_from_everywhere_in_a_volume_ends_at_bodies_that_enter_accepts(volume, hand, monkeypatch) -> None:
@@ -148,7 +144,7 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
     take(hand)
     assert bodies(found) == pytest.approx([2 * BALL], rel=0.08)
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: not items(found))
+    hand.wait(lambda: not accepted_items(found))
 
 
 def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand) -> None:
@@ -165,7 +161,7 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     settle(hand)
     take(hand)
     assert bodies(found) == pytest.approx([BALL], rel=0.08)
-    assert items(found)[0].region.surface.vertices.mean(axis=0) == pytest.approx(OTHER, abs=0.5)
+    assert accepted_items(found)[0].region.surface.vertices.mean(axis=0) == pytest.approx(OTHER, abs=0.5)
     assert len(found.get_feature(SpaceFeature).panel.contents.objects) == 1
     hand.window.actions_by_name["hide_object"].trigger()
     assert found.get_feature(SpaceFeature).panel.contents.objects == ()
@@ -176,7 +172,9 @@ def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
     hand.key(KEY.Key_Return)
     found.docks.reveal_panel("objects")
     table = found.panels["objects"].table
-    hand.wait(lambda: all(found.workspace.object_list.measurer.figures_of(item) is not None for item in items(found)))
+    hand.wait(
+        lambda: all(found.workspace.object_list.measurer.figures_of(item) is not None for item in accepted_items(found))
+    )
     model = table.model()
     heads = [model.headerData(k, Qt.Orientation.Horizontal) for k in range(model.columnCount())]
     assert "Volume" in heads
@@ -195,22 +193,22 @@ def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, han
     assert "2 files, 2 objects" in found.canvas_area.messages.text
     labels = tifffile.imread(labels)
     there = [labels[tuple(map(round, center))] for center in (ONE, OTHER)]
-    assert set(there) == {item.number for item in items(found)}
+    assert set(there) == {item.number for item in accepted_items(found)}
     for number in there:
         assert (labels == number).sum() == pytest.approx(BALL, rel=0.1)
 
 
 def test_objects_come_back_with_a_session(found, hand, tmp_path) -> None:
     hand.key(KEY.Key_Return)
-    before = items(found)
+    before = accepted_items(found)
     file: DocumentFile = found.get_feature(OpenSaveFeature).document_file
     path = tmp_path / "balls.cpm"
     assert file.save_and_wait(path)
     found.session.edit("delete", lambda document: type(document)(document.image))
     treat_as_saved(found)
     open_file_again(found, hand, path)
-    assert items(found) == before
-    for one, other in zip(items(found), before, strict=True):
+    assert accepted_items(found) == before
+    for one, other in zip(accepted_items(found), before, strict=True):
         assert isinstance(one.region.surface, Surface)
         np.testing.assert_array_equal(one.region.surface.vertices, other.region.surface.vertices)
     found.workspace.slices.go_through(OTHER)
@@ -219,7 +217,7 @@ def test_objects_come_back_with_a_session(found, hand, tmp_path) -> None:
 
 def open_file_again(window, hand, path) -> None:
     window.open_image(str(path))
-    hand.wait(lambda: bool(items(window)) and window.session.idle)
+    hand.wait(lambda: bool(accepted_items(window)) and window.session.idle)
 
 
 def chosen_by_menu(window, hand, name: str, numbers: set[int]) -> None:
@@ -285,7 +283,7 @@ def test_clicks_correct_a_painted_body_near_them_and_leave_the_rest_as_it_was(vo
     volume.workspace.slices.go_through(OTHER)
     hand.drag(OTHER[1:], (18, 25), (18, 19))
     hand.drag((3, 4), (3, 6), (3, 10))
-    (painted,) = items(volume)
+    (painted,) = accepted_items(volume)
     hand.key(KEY.Key_W)
     selection = volume.workspace.object_selection
     hand.wait(lambda: selection.ready)
@@ -294,13 +292,13 @@ def test_clicks_correct_a_painted_body_near_them_and_leave_the_rest_as_it_was(vo
     volume.workspace.slices.go_to(15)
     click(hand, OTHER[1:])
     take(hand)
-    (corrected,) = items(volume)
+    (corrected,) = accepted_items(volume)
     mask, ball = corrected.region.paste(SHAPE), np.zeros(SHAPE, bool)
     ball[:, 11:, 13:] = balls()[:, 11:, 13:] > 110
     np.testing.assert_array_equal(mask[:, :8], painted.region.paste(SHAPE)[:, :8])
     assert (mask & ball).sum() > 0.9 * ball.sum()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert items(volume) == (painted,)
+    assert accepted_items(volume) == (painted,)
 
 
 def test_two_clicks_split_a_body_in_space_and_one_undo_joins_it(volume, hand) -> None:
@@ -310,17 +308,17 @@ def test_two_clicks_split_a_body_in_space_and_one_undo_joins_it(volume, hand) ->
     volume.workspace.slices.go_to(10)
     hand.drag((10, 6), (10, 7))
     hand.drag((10, 12), (10, 13))
-    (whole,) = items(volume)
+    (whole,) = accepted_items(volume)
     hand.key(KEY.Key_K)
     click(hand, (10, 6))
     click(hand, (10, 13))
-    hand.wait(lambda: len(items(volume)) == 2)
-    one, other = (item.region.paste(SHAPE)[10] for item in items(volume))
+    hand.wait(lambda: len(accepted_items(volume)) == 2)
+    one, other = (item.region.paste(SHAPE)[10] for item in accepted_items(volume))
     np.testing.assert_array_equal(one ^ other, whole.region.paste(SHAPE)[10])
     assert (one[10, 5:15] != other[10, 5:15]).all()
     assert (one[10, 6], other[10, 13]) == (True, True)
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert items(volume) == (whole,)
+    assert accepted_items(volume) == (whole,)
 
 
 def test_what_is_typed_after_the_key_for_names_before_the_answer_goes_into_the_name(volume, hand) -> None:
@@ -339,7 +337,7 @@ def test_what_is_typed_after_the_key_for_names_before_the_answer_goes_into_the_n
     hand.qtbot.keyClicks(hand.canvas, "tex")
     hand.key(KEY.Key_Return)
     assert not selection.answered
-    hand.wait(lambda: selection.idle and [item.name for item in items(volume)] == ["cortex"])
+    hand.wait(lambda: selection.idle and [item.name for item in accepted_items(volume)] == ["cortex"])
     assert selection.proposals == ()
     hand.wait(hand.canvas.hasFocus)
 
@@ -405,8 +403,8 @@ def test_what_follows_enter_before_the_answer_is_done_after_it(volume, hand, key
         begin_click(hand, (ONE[1] + 3, ONE[2]))
     hand.wait(lambda: selection.idle)
     count, whole = {KEY.Key_M: (1, 2 * BALL), KEY.Key_K: (2, BALL)}.get(key, (0, 0.0))
-    hand.wait(lambda: len(items(volume)) == count)
-    assert sum(item.region.size for item in items(volume)) == pytest.approx(whole, rel=0.1)
+    hand.wait(lambda: len(accepted_items(volume)) == count)
+    assert sum(item.region.size for item in accepted_items(volume)) == pytest.approx(whole, rel=0.1)
 
 
 def test_all_like_a_body_are_found_by_one_key(volume, hand) -> None:
@@ -420,6 +418,6 @@ def test_all_like_a_body_are_found_by_one_key(volume, hand) -> None:
     hand.key(KEY.Key_L, Qt.KeyboardModifier.ControlModifier)
     hand.wait(lambda: bool(volume.workspace.object_selection.proposals))
     hand.key(KEY.Key_Return)
-    hand.wait(lambda: len(items(volume)) == 2)
-    assert items(volume)[1].region.contains(OTHER)
-    assert np.count_nonzero(items(volume)[1].region.mask) == pytest.approx(BALL, rel=0.1)
+    hand.wait(lambda: len(accepted_items(volume)) == 2)
+    assert accepted_items(volume)[1].region.contains(OTHER)
+    assert np.count_nonzero(accepted_items(volume)[1].region.mask) == pytest.approx(BALL, rel=0.1)

@@ -40,7 +40,7 @@ OPPOSITE = ({"L", "R"}, {"A", "P"}, {"S", "I"})
 
 def shown(view):
     """The letters at the top, bottom, left and right of a view."""
-    return view.layers["orientation"].letters
+    return tuple(item.html for item in view.layers["orientation"].letters)
 
 
 @pytest.fixture

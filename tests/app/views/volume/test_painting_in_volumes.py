@@ -16,6 +16,7 @@ from cpm_core.medial_axis import SkeletonMethod
 from cpm_core.numerics import polyline
 from cpm_core.parameters import PRESETS
 from tests.app.exporting import asked, check, export, order
+from tests.app.reading import accepted_items
 from tests.app.views.volume.conftest import SHAPE, Button, send
 
 pytestmark = pytest.mark.shared_window
@@ -47,12 +48,8 @@ def stroke(view, *places, keys=NONE) -> None:
     send(view, QEvent.Type.MouseButtonRelease, places[-1], Button.LeftButton, Button.NoButton, keys=keys)
 
 
-def items(window):
-    return window.session.document.objects.items
-
-
 def masks(window) -> list[np.ndarray]:
-    return [item.region.paste(SHAPE) for item in items(window)]
+    return [item.region.paste(SHAPE) for item in accepted_items(window)]
 
 
 def covered(*path) -> np.ndarray:
@@ -76,21 +73,21 @@ def in_slice(away, axis, index) -> np.ndarray:
 
 def test_a_stroke_in_a_slice_paints_voxels_of_that_slice_and_one_undo_takes_it_back(volume, hand, brush) -> None:
     stroke(hand.canvas, (12, 8), (12, 14), (12, 20))
-    (item,) = items(volume)
+    (item,) = accepted_items(volume)
     assert_is(item.region.paste(SHAPE), in_slice(covered((12, 12, 8), (12, 12, 20)), 0, 12))
     assert volume.workspace.object_list.selected_numbers == {item.number}
     assert volume.actions_by_name["undo"].text() == "Undo paint object"
     before = masks(volume)[0]
     volume.workspace.slices.go_to(15)
     stroke(hand.canvas, (14, 10))
-    assert [each.number for each in items(volume)] == [item.number]  # the chosen one continues in other slices
+    assert [each.number for each in accepted_items(volume)] == [item.number]  # the chosen one continues in other slices
     stroke(hand.canvas, (14, 22), keys=CTRL)
-    assert len(items(volume)) == 2
+    assert len(accepted_items(volume)) == 2
     for _ in range(2):
         hand.key(KEY.Key_Z, CTRL)
     assert np.array_equal(masks(volume)[0], before)
     hand.key(KEY.Key_Z, CTRL)
-    assert items(volume) == ()
+    assert accepted_items(volume) == ()
 
 
 def test_shift_erases_what_the_ring_goes_over_and_nothing_is_left_of_a_whole_erased_stroke(volume, hand, brush) -> None:
@@ -99,14 +96,14 @@ def test_shift_erases_what_the_ring_goes_over_and_nothing_is_left_of_a_whole_era
     kept = in_slice(covered((12, 12, 8), (12, 12, 20)), 0, 12)
     assert_is(masks(volume)[0], np.where(covered((12, 12, 20)) < 3.0, np.inf, kept))
     stroke(hand.canvas, (12, 8), (12, 20), keys=SHIFT)
-    assert items(volume) == ()
+    assert accepted_items(volume) == ()
 
 
 def test_other_slices_are_painted_across_their_axes(volume, hand, brush) -> None:
     hand.wait(lambda: len(volume.get_feature(SlicesFeature).sides) == 2)
     sides = volume.get_feature(SlicesFeature).sides
     for view, axis in zip(sides, (1, 2), strict=True):
-        before = masks(volume)[0] if items(volume) else np.zeros(SHAPE, bool)
+        before = masks(volume)[0] if accepted_items(volume) else np.zeros(SHAPE, bool)
         index = volume.session.scene.slices.voxel[axis]
         stroke(view, (9, 11))
         place = [9, 11]
@@ -176,14 +173,14 @@ def test_painted_objects_are_measured_drawn_in_space_saved_and_exported(volume, 
     volume.workspace.object_brush.paints_in_space = True
     stroke(hand.canvas, (12, 10), (14, 18))
     stroke(hand.canvas, (20, 24), keys=CTRL)
-    hand.wait(lambda: all(listed.measurer.figures_of(item) is not None for item in items(volume)))
+    hand.wait(lambda: all(listed.measurer.figures_of(item) is not None for item in accepted_items(volume)))
     counts = [int(mask.sum()) for mask in masks(volume)]
-    assert [listed.measurer.figures_of(item).volume for item in items(volume)] == counts
+    assert [listed.measurer.figures_of(item).volume for item in accepted_items(volume)] == counts
     hand.wait(lambda: len(volume.get_feature(SpaceFeature).panel.contents.objects) == 2)
     path, file = tmp_path / "painted.cpm", volume.get_feature(OpenSaveFeature).document_file
     assert file.save_and_wait(path)
     kept = load_session(path).objects.items
-    assert kept == items(volume)
+    assert kept == accepted_items(volume)
     assert [item.region.paste(SHAPE).sum() for item in kept] == counts
     labels = np.sum([mask * number for mask, number in zip(masks(volume), (1, 2), strict=True)], axis=0)
     (made,) = export(hand.qtbot, volume, tmp_path, "objects:.tif")
@@ -254,9 +251,9 @@ def test_painted_objects_limit_the_next_run_start_it_and_have_center_lines(volum
 def test_the_objects_tool_takes_up_a_painted_object_and_escape_leaves_it_as_it_was(volume, hand, brush) -> None:
     volume.workspace.object_brush.paints_in_space = True
     stroke(hand.canvas, (12, 12))
-    before = items(volume)
+    before = accepted_items(volume)
     hand.key(KEY.Key_W)
     stroke(hand.canvas, (12, 12))
     hand.key(KEY.Key_Escape)
-    assert items(volume) == before
+    assert accepted_items(volume) == before
     assert not volume.session.document.objects.clicks

@@ -14,6 +14,7 @@ from PySide6.QtCore import Qt
 
 from cpm_core.formats import VOLUMES_WRITABLE
 from tests.app.exporting import asked, check, order
+from tests.app.reading import contour_counts
 
 pytestmark = pytest.mark.shared_window
 
@@ -42,7 +43,7 @@ def test_each_slice_shows_where_it_cuts_the_surface(found) -> None:
         (contour,) = canvas.drawn_scene.contours
         away = np.linalg.norm(contour.points - np.delete(CENTER, axis), axis=1)
         assert away.mean() == pytest.approx(np.sqrt(RADIUS**2 - off**2), abs=0.35)
-        assert canvas.layers.contours.counts == (1, 0)
+        assert contour_counts(canvas.layers.contours) == (1, 0)
     found.workspace.slices.go_to(0)
     assert canvas.drawn_scene.contours == ()
 

@@ -12,6 +12,8 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QLineEdit, QToolButton
 
+from tests.app.reading import accepted_items
+
 pytestmark = pytest.mark.shared_window
 
 KEY, MODIFIER = Qt.Key, Qt.KeyboardModifier
@@ -151,10 +153,6 @@ def proposed(board, hand):
     return board
 
 
-def accepted(window) -> tuple:
-    return window.session.document.objects.items
-
-
 def test_enter_accepts_wherever_the_focus_is_but_in_a_field_of_text(proposed, hand) -> None:
     hand.key(KEY.Key_O, MODIFIER.ControlModifier | MODIFIER.ShiftModifier)
     table = proposed.panels["objects"].table
@@ -164,7 +162,7 @@ def test_enter_accepts_wherever_the_focus_is_but_in_a_field_of_text(proposed, ha
         focus(hand, table if kind == "table" else fields(proposed)[kind])
         assert "Enter accepts it" in proposed.canvas_area.hint.text()
         hand.key(KEY.Key_Return)
-        assert (kind, len(accepted(proposed))) == (kind, 1)
+        assert (kind, len(accepted_items(proposed))) == (kind, 1)
         assert hand.canvas.hasFocus()
         hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
         hand.wait(lambda: proposed.workspace.object_selection.idle and proposed.workspace.object_selection.proposals)
@@ -179,24 +177,24 @@ def test_the_first_enter_after_a_slider_was_dragged_accepts(proposed, hand, beta
     selection = proposed.workspace.object_selection
     hand.wait(lambda: proposed.session.status.phase == "finished" and selection.idle and selection.proposals)
     hand.key(KEY.Key_Return)
-    assert len(accepted(proposed)) == 1
+    assert len(accepted_items(proposed)) == 1
 
 
 def test_enter_in_a_field_of_text_keeps_the_text_which_the_line_says_and_the_next_accepts(proposed, hand, beta) -> None:
     focus(hand, beta.number)
     assert "Enter keeps what is typed" in proposed.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
-    assert not accepted(proposed)
+    assert not accepted_items(proposed)
     assert "Enter accepts it" in proposed.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
-    assert len(accepted(proposed)) == 1
+    assert len(accepted_items(proposed)) == 1
 
 
 def test_enter_accepts_after_escape_has_left_a_field(proposed, hand, beta) -> None:
     focus(hand, beta.number)
     hand.key(KEY.Key_Escape)
     hand.key(KEY.Key_Return)
-    assert len(accepted(proposed)) == 1
+    assert len(accepted_items(proposed)) == 1
 
 
 def test_a_widget_that_is_hidden_or_disabled_gives_the_keyboard_to_the_canvas(board, hand) -> None:
