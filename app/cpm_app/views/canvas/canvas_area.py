@@ -212,6 +212,8 @@ class CanvasArea(QWidget):
             text = self.crosshair.advice or first or then or text
             if self._is_typing and self._selection.can_accept:
                 text = insert_keys(_TYPING_TEXT)
+            if self._selection.has_waiting_keys:
+                text = f"{tr('What you pressed waits for the answer.')} {text}"
         self.strip.show_hint(text)
 
     def zoom_to_selection(self) -> None:

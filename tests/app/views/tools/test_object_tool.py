@@ -272,6 +272,43 @@ def test_a_click_is_marked_as_being_worked_on_at_once_and_until_its_answer_is_sh
     assert objects.selecting
 
 
+@pytest.mark.parametrize("awaited", ["click", "run", "alike"])
+def test_a_key_that_waits_for_an_answer_is_said_to_wait_until_it_acts(
+    window, hand, objects, monkeypatch, awaited
+) -> None:
+    may_answer, select, hint = threading.Event(), Partition.select, window.canvas_area.hint
+
+    def wait_for(function):
+        return lambda *given, **more: (may_answer.wait(60), function(*given, **more))[1]
+
+    if awaited == "run":
+        monkeypatch.setattr(object_selection, "find_proposals", wait_for(find_proposals))
+        window.actions_by_name["start_grid"].trigger()
+        hand.key(KEY.Key_Space)
+        hand.wait(lambda: objects.awaits_offer and not objects.idle)
+    else:
+        click(hand, 18, 18)
+        click(hand, 20, 20)  # of which it is said, for as long as nothing else is done, that it changes nothing
+        if awaited == "alike":
+            take(hand)
+            hand.wait(lambda: objects.idle)
+            monkeypatch.setattr(
+                object_selection, "select_all", wait_for(lambda cut, like: (like[0], cut.select([LARGE[0]])))
+            )
+            hand.key(KEY.Key_L, CONTROL)
+        else:
+            monkeypatch.setattr(Partition, "select", wait_for(select))
+            hand.click(16, 18)
+    assert "waits" not in hint.text()
+    hand.key(KEY.Key_Return)
+    assert hint.text().startswith("What you pressed waits for the answer.")
+    assert hint.isVisible()
+    may_answer.set()
+    hand.wait(lambda: objects.idle and objects.answered and window.session.idle)
+    assert len(taken(window)) == (1 if awaited == "click" else 2)
+    assert "waits" not in hint.text()
+
+
 @pytest.mark.parametrize("accepted", [False, True])
 def test_the_place_of_an_object_is_marked_while_its_next_candidate_is_sought(
     window, hand, objects, layer, monkeypatch, accepted
