@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.document.document import Document
+from cpm_app.model.document.objects import with_taken_numbers
 from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import FilesExported, ImageOpened, OpeningFailed, Report, SavedSession
@@ -29,7 +30,6 @@ from cpm_app.session.features.kept_pages import (
     link_pages,
     pages_to_json,
     run_pages,
-    with_taken_numbers,
     without_results,
 )
 from cpm_app.session.features.selector import is_covered
@@ -352,9 +352,7 @@ class StackPages(QObject):
 
     def _on_all_done(self, _: None) -> None:
         """Say what was found on all pages, and let new objects of the open page get numbers of their own."""
-        taken = self.largest_number
-        if taken >= self._session.document.objects.next_number:
-            self._session.edit(tr("run all pages"), lambda document: with_taken_numbers(document, taken))
+        self._session.take_numbers(self.largest_number)
         self._session.messages.show(self.found_objects, category=RUNNING_CATEGORY)
 
     def _on_page_done(self, path: str, known: KeptPage | None, page: Page, offered: Page, done: KeptPage) -> None:

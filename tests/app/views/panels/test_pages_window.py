@@ -279,6 +279,21 @@ def test_a_page_that_was_run_in_the_background_shows_its_contours_and_undo_leads
     assert session.history.undo_name == "draw region"
 
 
+def test_the_first_undo_after_all_pages_were_run_takes_the_last_edit_back_and_no_number_is_given_twice(
+    stack, hand
+) -> None:
+    session, control = stack.session, Qt.KeyboardModifier.ControlModifier
+    run_all(stack, hand)
+    hand.canvas.setFocus()
+    taken = stack.workspace.pages.largest_number
+    assert taken > 0
+    hand.key(Qt.Key.Key_Z, control)
+    assert session.document.shapes == ()
+    hand.key(Qt.Key.Key_Y, control)
+    assert session.document.shapes == (CIRCLE,)
+    assert session.document.objects.next_number == taken + 1
+
+
 def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(stack, hand) -> None:
     run_all(stack, hand)
     pages = stack.workspace.pages
