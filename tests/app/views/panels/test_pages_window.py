@@ -106,6 +106,8 @@ def test_all_pages_are_written_only_if_asked_and_the_message_names_all_that_was_
     dialog = asked(hand.qtbot, stack)
     kinds = {what for what, _ in dialog.list.rows}
     assert {file.kind for file in dialog.checked_files} == {"contours"} and "pages" in kinds
+    dialog.list.rows["pages", ".tif"].setCheckState(0, Qt.CheckState.Checked)
+    assert dialog.summary.text() == "2 files: 1 contour of this page, All pages."
     dialog.reject()
     pages, contours = export(hand.qtbot, stack, tmp_path, "pages:.tif", "contours:.svg")[::-1]
     hand.wait(lambda: "(1 contour)" in stack.canvas_area.messages.text)
