@@ -514,7 +514,7 @@ class Session(QObject):
         self.store.announce_status()
 
     def _can_run(self) -> bool:
-        self.messages.clear(RUNNING_CATEGORY)
+        self.messages.clear(EDITING_CATEGORY, RUNNING_CATEGORY)
         if self.document.image is None:
             self.messages.show(tr("There is no image to run on: open one first."), True, RUNNING_CATEGORY)
             return False

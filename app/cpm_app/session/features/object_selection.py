@@ -173,6 +173,8 @@ class ObjectSelection(QObject):
     @property
     def awaits_offer(self) -> bool:
         """Whether objects of the run or of the previous page are being found; false if that was canceled."""
+        if self._session.store.result_is_due:
+            return True
         given_up = self._finding.is_cancelled or self.partition_updater.has_failed
         offers = self._offers_run or self._followed_objects.search is not None
         return offers and not (self._offer_is_shown or given_up)
@@ -439,6 +441,8 @@ class ObjectSelection(QObject):
         if running != self._was_running:
             self._was_running = running
             self._request_answer()
+        elif self._waiting:  # a result that was due may have failed
+            self._catch_up()
 
     def _find_offered(self, partition: AnyPartition) -> None:
         """Find the objects of the previous page, or what the run proposes, unless that has begun."""
