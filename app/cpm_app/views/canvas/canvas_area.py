@@ -267,6 +267,7 @@ class CanvasArea(QWidget):
             if keyed and tool.has_draft and held & Qt.KeyboardModifier.ControlModifier:
                 tool.finish()
             elif keyed or not (self.press_enter() or objects.selected_keys):  # selected objects are accepted already
+                self.messages.clear_category(EDITING_CATEGORY)  # which would hide the keys of the cross-hair
                 self.canvas.dispatcher.set_modifiers(held)
                 (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()
         elif key in _ARROW_DIRECTIONS:

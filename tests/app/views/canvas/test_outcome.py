@@ -83,10 +83,15 @@ def test_enter_right_at_the_end_of_a_run_waits_for_the_contours_of_its_last_step
     assert len(ready.session.document.objects.items) == (0 if fails else 1)
 
 
-def test_what_is_said_of_an_edit_gives_way_to_a_run(ready, hand) -> None:
+def test_what_is_said_of_an_edit_gives_way_to_the_cross_hair_and_to_a_run(ready, hand) -> None:
     ready.canvas_area.canvas.setFocus()
     hand.click(5.0, 5.0)
     assert ready.canvas_area.messages.text.startswith("Keep the button down.")
+    hand.key(KEY.Key_Return)
+    assert ready.canvas_area.messages.text == ""
+    assert ready.canvas_area.hint.text().startswith("Arrow keys move the cross-hair")
+    hand.key(KEY.Key_Escape)
+    hand.click(5.0, 5.0)
     hand.key(KEY.Key_Space)
     assert ready.canvas_area.messages.text == ""
     hand.wait_for_phase("finished")

@@ -167,6 +167,20 @@ def test_enter_right_after_a_click_accepts_what_it_means(window, hand, objects) 
     assert not objects.selecting
 
 
+@pytest.mark.parametrize("corrects", [False, True])
+def test_delete_drops_the_object_in_progress_and_leaves_an_accepted_one(window, hand, objects, corrects) -> None:
+    click(hand, 43, 42)
+    take(hand)
+    hand.wait(lambda: objects.idle)
+    before = taken(window)
+    click(hand, *((43, 42) if corrects else (18, 18)))
+    assert objects.selecting
+    hand.key(KEY.Key_Delete)
+    hand.wait(lambda: objects.idle)
+    assert not objects.selecting and not objects.proposals
+    assert taken(window) == before
+
+
 def test_enter_accepts_what_is_seen_although_another_object_changes_before(window, hand, objects, monkeypatch) -> None:
     click(hand, 43, 42)
     hand.key(KEY.Key_Return)
