@@ -117,6 +117,7 @@ class ObjectSelection(QObject):
         session.document_changed.connect(lambda _: self._request_answer())
         later = Qt.ConnectionType.QueuedConnection  # a search that begins is not known yet
         session.tasks.changed.connect(self._catch_up, later)  # a search may have been canceled
+        session.store.status_changed.connect(self._catch_up, later)  # a result that was due may have failed
         session.store.scene_changed.connect(self._on_scene_changed)
         session.store.status_changed.connect(self._on_status_changed)
         session.image_changed.connect(self._on_image_changed)
@@ -441,8 +442,6 @@ class ObjectSelection(QObject):
         if running != self._was_running:
             self._was_running = running
             self._request_answer()
-        elif self._waiting:  # a result that was due may have failed
-            self._catch_up()
 
     def _find_offered(self, partition: AnyPartition) -> None:
         """Find the objects of the previous page, or what the run proposes, unless that has begun."""

@@ -361,7 +361,7 @@ class StackPages(QObject):
         if path != self.source.path:
             return
         before = self._describe_open_page() if here else self._kept.get(number)
-        if before is not None and (known is None or before.document != known.document) and before.has_own_start:
+        if before is not None and _is_changed(before, known):
             return
         self._found_pages[number], self._proposed[number] = page, offered
         self._link_soon()
@@ -465,3 +465,10 @@ class StackPages(QObject):
                 self._session.messages.show(stored.error, True, OPENING_CATEGORY)
             self._link_soon()
         self.results_changed.emit()
+
+
+def _is_changed(page: KeptPage, known: KeptPage | None) -> bool:
+    """Tell whether the user has drawn starts or selected objects on a page since it was `known`, if it was."""
+    now, before = page.document.objects, SegmentedObjects() if known is None else known.document.objects
+    selected = (now.items, now.clicks) != (before.items, before.clicks)
+    return selected or (page.has_own_start and (known is None or page.document != known.document))
