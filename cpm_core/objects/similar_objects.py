@@ -24,7 +24,7 @@ _SIZE_RANGE = (0.2, 4.0)
 _MIN_TRUNCATED_SIZE = 0.05
 """Least area of a similar object cut by the image border, as a fraction of the selected one's area."""
 
-_RIM_WIDTH = 4
+_OBJECT_RIM_WIDTH = 4
 """Width of the surroundings of an object with whose gray level its own is compared [px]."""
 
 _TRIMMED_WIDTH = 2
@@ -71,10 +71,10 @@ def _trim_to_half_level(values: Array, region: Region) -> Region:
 
     An outline that keeps to the rim of similar pixels would have notches, since edges lie deeper.
     """
-    window = expand_window(region.window, _RIM_WIDTH, values.shape)
+    window = expand_window(region.window, _OBJECT_RIM_WIDTH, values.shape)
     near, body = scipy.ndimage.gaussian_filter(values[window], 1.0), region.cut_out(window)
     away = scipy.ndimage.distance_transform_edt(~body)
-    rim = near[(away > 1.0) & (away <= _RIM_WIDTH)]
+    rim = near[(away > 1.0) & (away <= _OBJECT_RIM_WIDTH)]
     if not len(rim):
         return region
     own, around = float(np.median(near[body])), float(np.median(rim))

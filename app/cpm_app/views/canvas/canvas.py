@@ -17,13 +17,15 @@ from cpm_core.numerics import Position
 WHEEL_ZOOM_FACTOR = 1.2
 """Magnification by one notch of the wheel."""
 
-_NONE = Qt.KeyboardModifier.NoModifier
-
 _MODIFIERS_BY_KEY: dict[int, Qt.KeyboardModifier] = {
     Qt.Key.Key_Shift: Qt.KeyboardModifier.ShiftModifier,
     Qt.Key.Key_Control: Qt.KeyboardModifier.ControlModifier,
 }
 """Modifiers that change what a press does, by their keys."""
+
+
+def _modifier_of(event: QKeyEvent) -> Qt.KeyboardModifier:
+    return _MODIFIERS_BY_KEY.get(event.key(), Qt.KeyboardModifier.NoModifier)
 
 
 class WheelNotchCounter:
@@ -280,11 +282,11 @@ class Canvas(ToolView):
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Show the effect of Shift or Ctrl on the tool; leave keys to the window."""
-        self._apply_modifier_key(event, event.modifiers() | _MODIFIERS_BY_KEY.get(event.key(), _NONE))
+        self._apply_modifier_key(event, event.modifiers() | _modifier_of(event))
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
         """Show the effect of releasing Shift or Ctrl; leave keys to the window."""
-        self._apply_modifier_key(event, event.modifiers() & ~_MODIFIERS_BY_KEY.get(event.key(), _NONE))
+        self._apply_modifier_key(event, event.modifiers() & ~_modifier_of(event))
 
     def _apply_modifier_key(self, event: QKeyEvent, modifiers: Qt.KeyboardModifier) -> None:
         event.ignore()
