@@ -24,8 +24,11 @@ _SIZE_RANGE = (0.2, 4.0)
 _MIN_TRUNCATED_SIZE = 0.05
 """Least area of a similar object cut by the image border, as a fraction of the selected one's area."""
 
-_BODY_RIM_WIDTH = 4
-"""Width of the surroundings of a body with whose gray level its own is compared [voxels]."""
+_OBJECT_RIM_WIDTH = 4
+"""Width of the surroundings of an object with whose gray level its own is compared [px]."""
+
+_TRIMMED_WIDTH = 2
+"""Depth to which an object is trimmed; deeper, its texture is its own [px]."""
 
 _MIN_RELATIVE_STRENGTH = 0.3
 """Least boundary strength of similar objects, as a fraction of the selected one's."""
@@ -57,24 +60,26 @@ def find_similar_objects(partition: Partition | VolumePartition, chosen: Selecti
 
 def _build_object(partition: Partition | VolumePartition, region: Region) -> Selection:
     """Build the selection of what has been found."""
+    region = _trim_to_half_level(partition.values, region)
     if isinstance(partition, VolumePartition):
-        return partition.rate_region(_trim_to_half_level(partition.values, region))
+        return partition.rate_region(region)
     return build_proposal(partition, region.paste(partition.shape))
 
 
 def _trim_to_half_level(values: Array, region: Region) -> Region:
-    """Leave out the voxels of a body that differ less from it than from its surroundings: particles would find no more.
+    """Leave out rim pixels of an object that differ less from it than from its surroundings, as particles would.
 
-    In an image, an outline follows edges instead.
+    An outline that keeps to the rim of similar pixels would have notches, since edges lie deeper.
     """
-    window = expand_window(region.window, _BODY_RIM_WIDTH, values.shape)
+    window = expand_window(region.window, _OBJECT_RIM_WIDTH, values.shape)
     near, body = scipy.ndimage.gaussian_filter(values[window], 1.0), region.cut_out(window)
     away = scipy.ndimage.distance_transform_edt(~body)
-    rim = near[(away > 1.0) & (away <= _BODY_RIM_WIDTH)]
+    rim = near[(away > 1.0) & (away <= _OBJECT_RIM_WIDTH)]
     if not len(rim):
         return region
     own, around = float(np.median(near[body])), float(np.median(rim))
     kept = body & ((near - 0.5 * (own + around)) * (own - around) > 0.0)
+    kept |= scipy.ndimage.binary_erosion(body, iterations=_TRIMMED_WIDTH)
     return Region.from_mask(find_largest_part(kept), first_pixel(window)) if kept.any() else region
 
 

@@ -39,6 +39,7 @@ from cpm_app.session.session_messages import (
 from cpm_app.session.worker.commands import RunsRestored
 from cpm_app.session.worker.requests import ForcesProbed, ImageShaded
 from cpm_app.session.worker.worker_thread import WorkerThread
+from cpm_core import Result
 from cpm_core.numerics.types import Texts
 
 R = TypeVar("R", bound=Report)
@@ -164,6 +165,14 @@ class SceneStore(QObject):
         busy = next(iter(self._busy.values()), "")
         return replace(self._run_status, busy=busy) if busy else self._run_status
 
+    @property
+    def result_is_due(self) -> bool:
+        """Whether the run has ended, and what it has found is still being made."""
+        found, reconstructor = self._run_status.found, self._worker_thread.run.reconstructor
+        over = found is not None and not (isinstance(found, Result) and not found.stop_reason)
+        going_on = not reconstructor.idle or bool(reconstructor.results)
+        return self._run_status.phase == "finished" and not over and going_on
+
     def set_busy(self, activity: str, text: str) -> None:
         """Show `text` while an activity is in progress."""
         self._busy = {activity: text} | {key: value for key, value in self._busy.items() if key != activity}
@@ -200,8 +209,8 @@ class SceneStore(QObject):
     def _show_waiting(self) -> None:
         """Say that the contours or the surface of a run at rest are being made, if that takes a while."""
         if self._run_status.phase == "running" or self._worker_thread.run.reconstructor.idle:
-            self._waiting_since = math.inf
-            if self._busy.pop("reconstructing", ""):
+            waited, self._waiting_since = self._waiting_since < math.inf, math.inf
+            if self._busy.pop("reconstructing", "") or waited:
                 self.announce_status()
             return
         image, now = self.scene.image, time.perf_counter()

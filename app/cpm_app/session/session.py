@@ -12,6 +12,7 @@ from cpm_app.model.display.channels import list_channels
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.document.modes import MODES, adapt_shapes_to_mode, initial_parameters, needs_start, switch_mode
+from cpm_app.model.document.objects import with_taken_numbers
 from cpm_app.model.document.samples import find_copied_sample
 from cpm_app.model.document.saving import from_session_file
 from cpm_app.model.export import ExportOrder
@@ -228,6 +229,11 @@ class Session(QObject):
         name = tr("mode “{mode}”", mode=MODES[mode].title.replace("&", ""))
         self.edit(name, lambda document: document if document.mode == mode else switch_mode(document, mode))
 
+    def take_numbers(self, taken: int) -> None:
+        """Let new objects get numbers above the taken ones; this shows nothing, and is no edit to undo."""
+        if taken >= self.document.objects.next_number:
+            self._set_document(with_taken_numbers(self.document, taken))
+
     def end_gesture(self) -> None:
         """End a gesture, so that the next edit is undone separately."""
         self.history.end_gesture()
@@ -435,7 +441,8 @@ class Session(QObject):
         resumes = rested and place is None and not (back or change.erases)
         shown, goes_on = self._find_place(), change.erases and self.status.phase == "running"
         with self.store.draw_once():
-            self._set_document(change.before if back else change.after, resumes=resumes)
+            document = change.before if back else change.after
+            self._set_document(with_taken_numbers(document, self.document.objects.taken), resumes=resumes)
         if place is not None:
             here = self.store.generation
             if change.erases or shown is None or (shown.branch, shown.step) != (place.branch, place.step):
@@ -505,7 +512,7 @@ class Session(QObject):
         self.store.announce_status()
 
     def _can_run(self) -> bool:
-        self.messages.clear(RUNNING_CATEGORY)
+        self.messages.clear(EDITING_CATEGORY, RUNNING_CATEGORY)
         if self.document.image is None:
             self.messages.show(tr("There is no image to run on: open one first."), True, RUNNING_CATEGORY)
             return False

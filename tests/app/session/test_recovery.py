@@ -6,13 +6,18 @@ import json
 import os
 from pathlib import Path
 
+import numpy as np
+import tifffile
 from cpm_app.session.storage.recovery import JOURNAL_KEY, find_leftovers, journals_folder
 from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
+from cpm_app.views.features.volumes import PagesFeature
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 from tests.app.acting import draw_circle
+from tests.app.conftest import disc
 
 
 def leave(folder: Path, image: Path, name: str = "left.cpm", session: str = "") -> Path:
@@ -78,6 +83,26 @@ def test_the_question_counts_the_work_on_all_pages_of_a_stack(window, image_file
     path.write_text(json.dumps({**plain, "pages": {"sessions": [page, {"page": 3}]}}), "utf-8")
     box = offer(window)
     assert "Objects: 0, shapes: 3" in box.informativeText()
+    press(box, "Discard")
+
+
+def test_the_question_counts_no_starts_that_pages_were_given(window, hand, tmp_path) -> None:
+    stack = tmp_path / "cells.tif"
+    tifffile.imwrite(stack, np.stack([disc(9.0)] * 3).astype(np.uint8), imagej=True, metadata={"axes": "TYX"})
+    window.open_image(str(stack))
+    hand.wait(lambda: window.session.document.image.name == "cells.tif" and window.session.idle)
+    hand.drag((32.0, 32.0), (32.0, 36.0))
+    pages = window.workspace.pages
+    hand.qtbot.mouseClick(window.get_feature(PagesFeature).bar.run, Qt.MouseButton.LeftButton)
+    hand.wait(lambda: not pages.running and window.session.idle)
+    hand.key(Qt.Key.Key_PageDown)
+    hand.wait(lambda: pages.number == 2 and window.session.idle)
+    left = written(window)
+    assert sum(len(document.starts) for document in pages.documents.values()) > 1
+    copy = journals_folder() / f"copy-{left.name}"
+    copy.write_bytes(left.read_bytes())  # as if another process had left it
+    box = offer(window)
+    assert "Objects: 0, shapes: 1" in box.informativeText()
     press(box, "Discard")
 
 

@@ -319,6 +319,18 @@ def test_all_like_this_finds_the_others_and_parts_those_that_touch():
     assert np.sum([other.mask for other in found], axis=0).max() == 1
 
 
+def test_outlines_of_all_like_this_are_as_smooth_in_noise_as_that_of_a_click():
+    centers = [(24, 24), (24, 70), (70, 26), (74, 72)]
+    disks = np.any([within(*center, 12.0) for center in centers], axis=0)
+    noise = np.random.default_rng(2).normal(0.0, 7.0, disks.shape)
+    there = partition(30.0 + 110.0 * ndi.gaussian_filter(disks.astype(float), 1.3) + noise)
+    found = select_all(there, [there.select([centers[0]])])
+    assert len(found) == len(centers)
+    for one in found:
+        assert max(overlap(one.mask, within(*center, 12.0)) for center in centers) > 0.95
+        assert one.contours[0].length == pytest.approx(found[0].contours[0].length, rel=0.04)
+
+
 def test_where_nothing_is_found_the_places_alone_are_chosen_and_that_is_told():
     chosen = Partition(Image(np.zeros((64, 64))), (), uses_network=False).select([(32, 32)])
     assert chosen.has_only_points

@@ -91,6 +91,11 @@ def accept_objects(document: Document, accepted: Iterable[SegmentedObject], *, e
     return _replace_objects(document, items=tuple(items.values()), **over)
 
 
+def with_taken_numbers(document: Document, taken: int) -> Document:
+    """Let new objects get numbers above the taken ones, which are those of objects on other pages."""
+    return _replace_objects(document, taken=max(document.objects.taken, taken))
+
+
 def reject_objects(document: Document, numbers: Iterable[int], offered: Iterable[SegmentedObject]) -> Document:
     """Reject objects, and proposals in `offered`, none of which will be proposed again."""
     gone = frozenset(numbers)

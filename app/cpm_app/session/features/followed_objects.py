@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from cpm_app.model.document import objects
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.text.language import tr, translate_core_text
-from cpm_app.session.features.kept_pages import StackSource, with_taken_numbers, without_results
+from cpm_app.session.features.kept_pages import StackSource, without_results
 from cpm_app.session.features.selector import EverywhereRun, parameters_everywhere, partition_from_everywhere
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Proposal
@@ -137,18 +137,16 @@ class FollowedObjects(QObject):
             return
 
         def accept_items(document: Document) -> Document:
-            taken = max(document.objects.taken, *(item.number for item in items))
+            document = objects.with_taken_numbers(document, max(item.number for item in items))
             same = document.image if known is not None else image
-            return objects.accept_objects(replace(with_taken_numbers(document, taken), image=same), items)
+            return objects.accept_objects(replace(document, image=same), items)
 
         self._pages.edit_page(number, tr("follow objects"), accept_items)
 
     def _on_followed(self, done: tuple[list[TrackEvent], int]) -> None:
         """Report what has happened to the objects, and the page on which none was found any more."""
         events, lost = done
-        taken = self._pages.largest_number
-        if taken >= self._session.document.objects.next_number:  # parts that have split off have numbers of their own
-            self._session.edit(tr("follow objects"), lambda document: with_taken_numbers(document, taken))
+        self._session.take_numbers(self._pages.largest_number)  # parts that have split off have numbers of their own
         messages = [_describe_events(events)] if events else []
         if lost:
             messages.append(tr("Page {number}: no object was found again. Accept one there to follow it.", number=lost))

@@ -158,11 +158,6 @@ def without_results(document: Document) -> Document:
     return Document(document.image, shapes, document.parameters, mode=document.mode, objects=known)
 
 
-def with_taken_numbers(document: Document, taken: int) -> Document:
-    """Let new objects of a document get numbers above the taken ones."""
-    return replace(document, objects=replace(document.objects, taken=taken))
-
-
 StackTable = tuple[StackResult | None, tuple[PageRow, ...]]
 """The results of all pages, and the rows of their table."""
 

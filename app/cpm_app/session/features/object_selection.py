@@ -33,7 +33,7 @@ from cpm_app.session.features.selector import (
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
-from cpm_app.session.session_messages import EDITING_CATEGORY
+from cpm_app.session.session_messages import EDITING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
@@ -117,6 +117,7 @@ class ObjectSelection(QObject):
         session.document_changed.connect(lambda _: self._request_answer())
         later = Qt.ConnectionType.QueuedConnection  # a search that begins is not known yet
         session.tasks.changed.connect(self._catch_up, later)  # a search may have been canceled
+        session.store.status_changed.connect(self._catch_up, later)  # a result that was due may have failed
         session.store.scene_changed.connect(self._on_scene_changed)
         session.store.status_changed.connect(self._on_status_changed)
         session.image_changed.connect(self._on_image_changed)
@@ -161,6 +162,11 @@ class ObjectSelection(QObject):
         return bool(self._waiting)
 
     @property
+    def has_waiting_keys(self) -> bool:
+        """Whether an action waits that, unlike a click, has no mark on the image."""
+        return any(each.click is None for each in self._waiting)
+
+    @property
     def offer_is_known(self) -> bool:
         """Whether all that the run offers is shown; true if it offers nothing."""
         return not self._offers_run or self._offer_is_shown
@@ -168,6 +174,8 @@ class ObjectSelection(QObject):
     @property
     def awaits_offer(self) -> bool:
         """Whether objects of the run or of the previous page are being found; false if that was canceled."""
+        if self._session.store.result_is_due:
+            return True
         given_up = self._finding.is_cancelled or self.partition_updater.has_failed
         offers = self._offers_run or self._followed_objects.search is not None
         return offers and not (self._offer_is_shown or given_up)
@@ -251,6 +259,8 @@ class ObjectSelection(QObject):
         unknown = (needs_page and self._pages.is_turning) or (needs_answer and not self.answered)
         if self._waiting or self._steps or unknown or (self._is_finding and needs_offer()):
             self._waiting.append(WaitingAction(action, click, needs_offer))
+            # what is said of the last edit would hide that this one waits
+            self._session.messages.clear(EDITING_CATEGORY, RUNNING_CATEGORY)
             self._show_awaited_clicks()
             self.changed.emit()
         else:
@@ -582,12 +592,13 @@ class ObjectSelection(QObject):
         self._waiting.clear()
         self._steps = 0
         self._show_awaited_clicks()
+        self.changed.emit()
 
     def _catch_up(self) -> None:
         """Do what has waited for an answer, up to what needs the next one."""
         if self._is_catching_up:
             return
-        self._is_catching_up = True
+        self._is_catching_up, waited = True, len(self._waiting)
         try:
             while self._waiting and self.answered and not (self._steps or self._pages.is_turning):
                 if self._is_finding and self._waiting[0].needs_offer():
@@ -596,6 +607,8 @@ class ObjectSelection(QObject):
         finally:
             self._is_catching_up = False
         self._show_awaited_clicks()
+        if len(self._waiting) != waited:
+            self.changed.emit()
 
     def _show_awaited_clicks(self) -> None:
         """Mark the clicks whose answer, or whose next candidate, is not shown yet."""

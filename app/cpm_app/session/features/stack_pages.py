@@ -12,6 +12,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.document.document import Document
+from cpm_app.model.document.objects import with_taken_numbers
 from cpm_app.model.document.saving import to_session_file
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import FilesExported, ImageOpened, OpeningFailed, Report, SavedSession
@@ -29,7 +30,6 @@ from cpm_app.session.features.kept_pages import (
     link_pages,
     pages_to_json,
     run_pages,
-    with_taken_numbers,
     without_results,
 )
 from cpm_app.session.features.selector import is_covered
@@ -352,9 +352,7 @@ class StackPages(QObject):
 
     def _on_all_done(self, _: None) -> None:
         """Say what was found on all pages, and let new objects of the open page get numbers of their own."""
-        taken = self.largest_number
-        if taken >= self._session.document.objects.next_number:
-            self._session.edit(tr("run all pages"), lambda document: with_taken_numbers(document, taken))
+        self._session.take_numbers(self.largest_number)
         self._session.messages.show(self.found_objects, category=RUNNING_CATEGORY)
 
     def _on_page_done(self, path: str, known: KeptPage | None, page: Page, offered: Page, done: KeptPage) -> None:
@@ -363,7 +361,7 @@ class StackPages(QObject):
         if path != self.source.path:
             return
         before = self._describe_open_page() if here else self._kept.get(number)
-        if before is not None and (known is None or before.document != known.document) and before.has_own_start:
+        if before is not None and _is_changed(before, known):
             return
         self._found_pages[number], self._proposed[number] = page, offered
         self._link_soon()
@@ -467,3 +465,10 @@ class StackPages(QObject):
                 self._session.messages.show(stored.error, True, OPENING_CATEGORY)
             self._link_soon()
         self.results_changed.emit()
+
+
+def _is_changed(page: KeptPage, known: KeptPage | None) -> bool:
+    """Tell whether the user has drawn starts or selected objects on a page since it was `known`, if it was."""
+    now, before = page.document.objects, SegmentedObjects() if known is None else known.document.objects
+    selected = (now.items, now.clicks) != (before.items, before.clicks)
+    return selected or (page.has_own_start and (known is None or page.document != known.document))

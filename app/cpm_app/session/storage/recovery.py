@@ -26,6 +26,7 @@ from cpm_app.session.tasks.opening import OpenRequest
 from cpm_core.formats import SESSION_SUFFIX, SessionFile, load_session, remove_abandoned_drafts, save_session
 from cpm_core.formats.sessions.session_file import decode_session
 from cpm_core.numerics.types import record
+from cpm_core.shapes import Start
 
 JOURNAL_KEY = "journal"
 """Key under which a journal, which is a session file, names the file and the work that it belongs to."""
@@ -148,12 +149,16 @@ class Leftover:
         return OpenRequest(self.path or Path(self.name), self.file.parameters, saved=saved, notes=(note,))
 
     def count_objects_and_shapes(self) -> tuple[int, int]:
-        """Count the objects and the shapes on all pages of a stack; pages that are damaged count for nothing."""
-        pages = [self.file]
+        """Count the objects and the shapes on all pages of a stack; pages that are damaged count for nothing.
+
+        Starts that a page was given by the previous one are not counted, as nobody has drawn them.
+        """
+        pages = [(self.file, self.file.pages.get("given"))]
         for page in self.file.pages.get("sessions", ()):
             with suppress(ValueError, TypeError, KeyError):
-                pages.append(decode_session(json.dumps(page["session"]).encode(), self.name))
-        return sum(len(page.objects.items) for page in pages), sum(len(page.shapes) for page in pages)
+                pages.append((decode_session(json.dumps(page["session"]).encode(), self.name), page.get("given")))
+        drawn = (shape for page, given in pages for shape in page.shapes if not (given and isinstance(shape, Start)))
+        return sum(len(page.objects.items) for page, _ in pages), sum(1 for _ in drawn)
 
     def keep_for_later(self) -> None:
         """Leave the journal for another time."""

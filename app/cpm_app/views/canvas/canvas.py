@@ -17,6 +17,16 @@ from cpm_core.numerics import Position
 WHEEL_ZOOM_FACTOR = 1.2
 """Magnification by one notch of the wheel."""
 
+_MODIFIERS_BY_KEY: dict[int, Qt.KeyboardModifier] = {
+    Qt.Key.Key_Shift: Qt.KeyboardModifier.ShiftModifier,
+    Qt.Key.Key_Control: Qt.KeyboardModifier.ControlModifier,
+}
+"""Modifiers that change what a press does, by their keys."""
+
+
+def _modifier_of(event: QKeyEvent) -> Qt.KeyboardModifier:
+    return _MODIFIERS_BY_KEY.get(event.key(), Qt.KeyboardModifier.NoModifier)
+
 
 class WheelNotchCounter:
     """Counts whole notches of a wheel; some devices report fractions of one."""
@@ -271,16 +281,16 @@ class Canvas(ToolView):
     # Called by Qt
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Show the effect of Shift on the tool; leave keys to the window."""
-        self._apply_shift_key(event, event.modifiers() | Qt.KeyboardModifier.ShiftModifier)
+        """Show the effect of Shift or Ctrl on the tool; leave keys to the window."""
+        self._apply_modifier_key(event, event.modifiers() | _modifier_of(event))
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Show the effect of releasing Shift; leave keys to the window."""
-        self._apply_shift_key(event, event.modifiers() & ~Qt.KeyboardModifier.ShiftModifier)
+        """Show the effect of releasing Shift or Ctrl; leave keys to the window."""
+        self._apply_modifier_key(event, event.modifiers() & ~_modifier_of(event))
 
-    def _apply_shift_key(self, event: QKeyEvent, modifiers: Qt.KeyboardModifier) -> None:
+    def _apply_modifier_key(self, event: QKeyEvent, modifiers: Qt.KeyboardModifier) -> None:
         event.ignore()
-        if event.key() == Qt.Key.Key_Shift and self._pointer is not None and not self.is_led_by_keys:
+        if event.key() in _MODIFIERS_BY_KEY and self._pointer is not None and not self.is_led_by_keys:
             self.dispatcher.set_modifiers(modifiers)
             self.dispatcher.move_pointer(self, self._pointer)
 

@@ -212,6 +212,8 @@ class CanvasArea(QWidget):
             text = self.crosshair.advice or first or then or text
             if self._is_typing and self._selection.can_accept:
                 text = insert_keys(_TYPING_TEXT)
+            if self._selection.has_waiting_keys:
+                text = f"{tr('What you pressed waits for the answer.')} {text}"
         self.strip.show_hint(text)
 
     def zoom_to_selection(self) -> None:
@@ -265,6 +267,7 @@ class CanvasArea(QWidget):
             if keyed and tool.has_draft and held & Qt.KeyboardModifier.ControlModifier:
                 tool.finish()
             elif keyed or not (self.press_enter() or objects.selected_keys):  # selected objects are accepted already
+                self.messages.clear_category(EDITING_CATEGORY)  # which would hide the keys of the cross-hair
                 self.canvas.dispatcher.set_modifiers(held)
                 (self.crosshair.press_enter if keyed else self.crosshair.show_crosshair)()
         elif key in _ARROW_DIRECTIONS:

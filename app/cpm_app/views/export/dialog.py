@@ -389,7 +389,8 @@ class ExportDialog(QDialog):
                 parts.append(EXPORT_TITLES[what][0])
                 continue
             result = prepare_export(self._result, document, order, what, self._image)
-            parts.append(describe_export(result, what, suffixes[0]))
+            text = describe_export(result, what, suffixes[0])
+            parts.append(tr("{contents} of this page", contents=text) if self._exportable.page_count else text)
             if not self._volume and all(count_left_out(result, suffix) == len(result.contours) for suffix in suffixes):
                 problem = tr("Nothing can be exported: {what}.", what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)

@@ -150,6 +150,7 @@ class ClipboardFeature(Feature):
     def set_up(self) -> None:
         """Create the actions and connect them to what they depend on."""
         self._copying, self._begun = ENDED_TASK, 0
+        self.session.tasks.changed.connect(self._on_tasks_changed)
         self.actions = (
             ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
                        self.copy_selection, "Ctrl+C", gap=True,
@@ -187,6 +188,7 @@ class ClipboardFeature(Feature):
     def _begin_copy(self, put: Callable[[Copied], object]) -> Callable[[Copied], None]:
         """Cancel the previous copy, and let `put` take what is copied unless another copy has begun by then."""
         self._copying.cancel()
+        self._copying = ENDED_TASK
         self._begun += 1
         number = self._begun
 
@@ -195,6 +197,12 @@ class ClipboardFeature(Feature):
                 put(copied)
 
         return put_newest
+
+    def _on_tasks_changed(self) -> None:
+        """No longer announce a copy that the user has canceled."""
+        if self._copying.is_cancelled:
+            self._copying = ENDED_TASK
+            self.session.messages.clear(EXPORTING_CATEGORY)
 
     def _copy_code(self, language: CodeLanguage) -> None:
         file = self.window.document_file

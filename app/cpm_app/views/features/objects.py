@@ -188,6 +188,8 @@ class ObjectsFeature(Feature):
             self._selection.do_in_order(partial(self._commands.classify_selected, key - Qt.Key.Key_0))
         elif selecting and key in DELETE_KEYS and self._selection.has_waiting_actions:
             self._selection.do_in_order(partial(self._delete_after_waiting, is_back=key == Qt.Key.Key_Backspace))
+        elif selecting and key == Qt.Key.Key_Delete and self._selection.selecting:
+            self._commands.reject_selected()
         elif selecting and key in DELETE_KEYS and self._object_list.selected_rows and not tool.has_draft:
             self._commands.delete_selected()
         else:

@@ -11,6 +11,7 @@ from cpm_app.session.features import object_selection
 from cpm_app.session.features.object_selection import ObjectSelection
 from cpm_app.session.features.outcome import describe_outcome
 from cpm_app.session.features.selector import find_proposals
+from cpm_app.session.worker.reconstruction import ReconstructionRequest
 from PySide6.QtCore import Qt
 
 pytestmark = pytest.mark.shared_window
@@ -55,6 +56,45 @@ def test_enter_accepts_the_objects_of_a_run_that_are_being_found_once_they_are_o
     shown.set()
     hand.wait(lambda: selection.idle and selection.offer_is_known)
     assert len(ready.session.document.objects.items) == 1
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_enter_right_at_the_end_of_a_run_waits_for_the_contours_of_its_last_step(
+    ready, hand, monkeypatch, fails
+) -> None:
+    may_make, make = threading.Event(), ReconstructionRequest.reconstruct
+
+    def make_late(request):
+        may_make.wait(60)
+        if fails:
+            raise ValueError("no contours")
+        return make(request)
+
+    monkeypatch.setattr(ReconstructionRequest, "reconstruct", make_late)
+    selection, area = ready.workspace.object_selection, ready.canvas_area
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.key(KEY.Key_Return)
+    assert area.hint.text().startswith("What you pressed waits for the answer.")
+    assert area.crosshair.position is None
+    may_make.set()
+    hand.wait(lambda: ready.session.idle and selection.idle and not selection.has_waiting_keys)
+    assert "waits" not in area.hint.text()
+    assert len(ready.session.document.objects.items) == (0 if fails else 1)
+
+
+def test_what_is_said_of_an_edit_gives_way_to_the_cross_hair_and_to_a_run(ready, hand) -> None:
+    ready.canvas_area.canvas.setFocus()
+    hand.click(5.0, 5.0)
+    assert ready.canvas_area.messages.text.startswith("Keep the button down.")
+    hand.key(KEY.Key_Return)
+    assert ready.canvas_area.messages.text == ""
+    assert ready.canvas_area.hint.text().startswith("Arrow keys move the cross-hair")
+    hand.key(KEY.Key_Escape)
+    hand.click(5.0, 5.0)
+    hand.key(KEY.Key_Space)
+    assert ready.canvas_area.messages.text == ""
+    hand.wait_for_phase("finished")
 
 
 def test_that_none_is_offered_is_not_said_of_contours_from_before_the_end(ready, hand) -> None:

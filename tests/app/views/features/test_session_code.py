@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import threading
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -215,6 +216,26 @@ def test_contours_that_are_still_being_made_are_not_taken_for_those_of_the_run(r
         assert "result.objects" in copied(hand, "copy_python")
     finally:
         go_on.set()
+
+
+def test_a_copy_that_is_canceled_is_no_longer_announced(ready, hand, monkeypatch) -> None:
+    def wait_for_cancel(*given):
+        while True:
+            given[-1].check_cancelled()
+            time.sleep(0.001)
+
+    monkeypatch.setattr(session_code, "_find_code", wait_for_cancel)
+    messages = ready.canvas_area.messages
+    ready.actions_by_name["copy_python"].trigger()
+    assert messages.text == "The clipboard stays as it was until the copy is ready."
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Period, Qt.KeyboardModifier.ControlModifier)
+    hand.wait(lambda: ready.session.tasks.idle)
+    assert messages.text == ""
+    ready.actions_by_name["copy_python"].trigger()
+    ready.actions_by_name["copy_view"].trigger()  # which cancels it
+    hand.wait(lambda: ready.session.tasks.idle)
+    assert messages.text == "The view was copied."
 
 
 @pytest.mark.parametrize("actions", [["reject"], ["accept", "delete_object"]], ids=["rejected", "deleted"])

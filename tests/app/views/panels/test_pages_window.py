@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 from cpm_app.model.document import edits
+from cpm_app.session.features import kept_pages
 from cpm_app.session.features.kept_pages import KeptPage
 from cpm_app.views.features.exchange import ExportFeature
 from cpm_app.views.features.files import OpenSaveFeature
@@ -106,6 +108,8 @@ def test_all_pages_are_written_only_if_asked_and_the_message_names_all_that_was_
     dialog = asked(hand.qtbot, stack)
     kinds = {what for what, _ in dialog.list.rows}
     assert {file.kind for file in dialog.checked_files} == {"contours"} and "pages" in kinds
+    dialog.list.rows["pages", ".tif"].setCheckState(0, Qt.CheckState.Checked)
+    assert dialog.summary.text() == "2 files: 1 contour of this page, All pages."
     dialog.reject()
     pages, contours = export(hand.qtbot, stack, tmp_path, "pages:.tif", "contours:.svg")[::-1]
     hand.wait(lambda: "(1 contour)" in stack.canvas_area.messages.text)
@@ -277,6 +281,70 @@ def test_a_page_that_was_run_in_the_background_shows_its_contours_and_undo_leads
     session.undo()
     assert session.document.starts == before.starts
     assert session.history.undo_name == "draw region"
+
+
+def test_the_first_undo_after_all_pages_were_run_takes_the_last_edit_back_and_no_number_is_given_twice(
+    stack, hand
+) -> None:
+    session, control = stack.session, Qt.KeyboardModifier.ControlModifier
+    run_all(stack, hand)
+    hand.canvas.setFocus()
+    taken = stack.workspace.pages.largest_number
+    assert taken > 0
+    hand.key(Qt.Key.Key_Z, control)
+    assert session.document.shapes == ()
+    hand.key(Qt.Key.Key_Y, control)
+    assert session.document.shapes == (CIRCLE,)
+    assert session.document.objects.next_number == taken + 1
+
+
+def test_enter_right_after_a_page_key_accepts_what_that_page_offers(stack, hand) -> None:
+    run_all(stack, hand)
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Return)
+    for page in (2, 3):
+        hand.key(Qt.Key.Key_PageDown)
+        hand.key(Qt.Key.Key_Return)
+        hand.wait(lambda page=page: stack.workspace.pages.number == page)
+        hand.wait(lambda: not stack.workspace.object_selection.has_waiting_keys)
+    assert [len(stack.workspace.pages.documents[page].objects.items) for page in (1, 2, 3)] == [1, 1, 1]
+
+
+@pytest.fixture
+def later_pages(monkeypatch) -> threading.Event:
+    """Pages after the first are run once this is set."""
+    may_run, run, begun = threading.Event(), kept_pages.run_recorded, []
+
+    def run_late(*given):
+        begun.append(given)
+        assert len(begun) == 1 or may_run.wait(60)
+        return run(*given)
+
+    monkeypatch.setattr(kept_pages, "run_recorded", run_late)
+    return may_run
+
+
+def begin_to_run_all(window, hand) -> None:
+    """Begin to run all pages, and go to the second one, which is not run yet."""
+    hand.qtbot.mouseClick(window.get_feature(PagesFeature).bar.run, LEFT)
+    hand.wait(lambda: 1 in window.workspace.pages._proposed)
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_PageDown)
+    hand.wait(lambda: window.workspace.pages.number == 2)
+
+
+def test_objects_of_a_page_stay_when_the_run_of_all_pages_comes_to_it(stack, hand, later_pages) -> None:
+    begin_to_run_all(stack, hand)
+    selection = stack.workspace.object_selection
+    hand.key(Qt.Key.Key_W)
+    hand.wait(lambda: selection.ready)
+    hand.click(30.0, 25.0)
+    hand.key(Qt.Key.Key_Return)
+    hand.wait(lambda: bool(stack.session.document.objects.items))
+    accepted = stack.session.document.objects.items
+    later_pages.set()
+    settled(stack, hand)
+    assert stack.session.document.objects.items == accepted
 
 
 def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(stack, hand) -> None:

@@ -82,6 +82,10 @@ def test_words_and_pointer_say_before_a_press_what_it_will_do(mended, hand) -> N
             assert shape(hand) == Qt.CursorShape.CrossCursor
         hand.qtbot.keyRelease(hand.canvas, KEY.Key_Shift)
         assert said in words.text()
+    hand.qtbot.keyPress(hand.canvas, KEY.Key_Control)
+    assert words.text().startswith("Drag to paint a new object")
+    hand.qtbot.keyRelease(hand.canvas, KEY.Key_Control)
+    assert "add to bone" in words.text()
     center, reach = ring(hand).mean(axis=1), np.ptp(ring(hand), axis=1) / 2
     assert center == pytest.approx((60, 3), abs=0.5)
     assert reach == pytest.approx(2 * [mended.workspace.object_brush.radius], rel=0.02), "the brush in its true size"

@@ -164,6 +164,20 @@ def test_enter_right_after_a_click_accepts_what_it_means(window, hand, objects) 
     assert not objects.selecting
 
 
+@pytest.mark.parametrize("corrects", [False, True])
+def test_delete_drops_the_object_in_progress_and_leaves_an_accepted_one(window, hand, objects, corrects) -> None:
+    click(hand, 43, 42)
+    take(hand)
+    hand.wait(lambda: objects.idle)
+    before = accepted_items(window)
+    click(hand, *((43, 42) if corrects else (18, 18)))
+    assert objects.selecting
+    hand.key(KEY.Key_Delete)
+    hand.wait(lambda: objects.idle)
+    assert not objects.selecting and not objects.proposals
+    assert accepted_items(window) == before
+
+
 def test_enter_accepts_what_is_seen_although_another_object_changes_before(window, hand, objects, monkeypatch) -> None:
     click(hand, 43, 42)
     hand.key(KEY.Key_Return)
@@ -267,6 +281,43 @@ def test_a_click_is_marked_as_being_worked_on_at_once_and_until_its_answer_is_sh
     assert not layer.awaited.isVisible()
     assert len(accepted_items(window)) == 1
     assert objects.selecting
+
+
+@pytest.mark.parametrize("awaited", ["click", "run", "alike"])
+def test_a_key_that_waits_for_an_answer_is_said_to_wait_until_it_acts(
+    window, hand, objects, monkeypatch, awaited
+) -> None:
+    may_answer, select, hint = threading.Event(), Partition.select, window.canvas_area.hint
+
+    def wait_for(function):
+        return lambda *given, **more: (may_answer.wait(60), function(*given, **more))[1]
+
+    if awaited == "run":
+        monkeypatch.setattr(object_selection, "find_proposals", wait_for(find_proposals))
+        window.actions_by_name["start_grid"].trigger()
+        hand.key(KEY.Key_Space)
+        hand.wait(lambda: objects.awaits_offer and not objects.idle)
+    else:
+        click(hand, 18, 18)
+        click(hand, 20, 20)  # of which it is said, for as long as nothing else is done, that it changes nothing
+        if awaited == "alike":
+            take(hand)
+            hand.wait(lambda: objects.idle)
+            monkeypatch.setattr(
+                object_selection, "select_all", wait_for(lambda cut, like: (like[0], cut.select([LARGE[0]])))
+            )
+            hand.key(KEY.Key_L, CONTROL)
+        else:
+            monkeypatch.setattr(Partition, "select", wait_for(select))
+            hand.click(16, 18)
+    assert "waits" not in hint.text()
+    hand.key(KEY.Key_Return)
+    assert hint.text().startswith("What you pressed waits for the answer.")
+    assert hint.isVisible()
+    may_answer.set()
+    hand.wait(lambda: objects.idle and objects.answered and window.session.idle)
+    assert len(accepted_items(window)) == (1 if awaited == "click" else 2)
+    assert "waits" not in hint.text()
 
 
 @pytest.mark.parametrize("accepted", [False, True])
