@@ -130,9 +130,7 @@ class Surface:
     def normals(self) -> Array:
         """Unit vectors outward at the vertices, in units of length, shape (N, 3); zero where there is no triangle."""
         sums = np.zeros((len(self.vertices), 3))
-        for corner in range(3):
-            for axis in range(3):
-                sums[:, axis] += np.bincount(self.faces[:, corner], self._crosses[:, axis], minlength=len(sums))
+        _sum_at_vertices(self.faces, self._crosses, sums)
         lengths = np.linalg.norm(sums, axis=1)
         sums[lengths > 0] /= lengths[lengths > 0, None]
         return sums
@@ -188,15 +186,37 @@ class Surface:
     @cached_property
     def _crosses(self) -> Array:
         """Outward normals of the triangles, in units of length, as long as twice their area."""
-        a, b, c = (self._physical[self.faces[:, corner]] for corner in range(3))
-        return np.cross(b - a, c - a)
+        crosses = np.empty((len(self.faces), 3))
+        _compute_crosses(self.faces, self._physical, crosses)
+        return crosses
 
     @cached_property
     def _edge_counts(self) -> Index:
         """Number of triangles at each edge."""
-        ends = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        numbers = ends[:, 0] * len(self.vertices) + ends[:, 1]
+        one, other = self.faces.ravel(), self.faces[:, [1, 2, 0]].ravel()
+        numbers = np.minimum(one, other) * len(self.vertices) + np.maximum(one, other)
         return np.unique(numbers, return_counts=True)[1]
+
+
+@compiled
+def _compute_crosses(faces: Index, vertices: Array, crosses: Array) -> None:
+    """Write the cross product of two sides of each triangle, shape (F, 3)."""
+    for q in range(len(faces)):
+        a, b, c = faces[q]
+        for axis in range(3):
+            one, other = (axis + 1) % 3, (axis + 2) % 3
+            crosses[q, axis] = (vertices[b, one] - vertices[a, one]) * (vertices[c, other] - vertices[a, other]) - (
+                vertices[b, other] - vertices[a, other]
+            ) * (vertices[c, one] - vertices[a, one])
+
+
+@compiled
+def _sum_at_vertices(faces: Index, vectors: Array, sums: Array) -> None:
+    """Add the vector of each triangle, shape (F, 3), at its vertices."""
+    for q in range(len(faces)):
+        for corner in range(3):
+            for axis in range(3):
+                sums[faces[q, corner], axis] += vectors[q, axis]
 
 
 _LINE_OFFSET = (1.3e-6, 2.9e-6)

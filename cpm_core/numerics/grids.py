@@ -18,7 +18,7 @@ from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 Labels = NDArray[np.int32]
 """Numbers of parts or columns, in 32 bits."""
 
-Values = TypeVar("Values", Array, Single, Mask)
+Values = TypeVar("Values", Array, Single, Mask, NDArray[np.uint8])
 Filling = TypeVar("Filling", Single, Labels)
 _Kind = TypeVar("_Kind", bound=np.integer)
 
@@ -192,6 +192,61 @@ def flood_from_markers(heights: NDArray[np.floating], markers: Labels, basin: Ma
     return np.asarray(flood(heights, markers, mask=basin), np.int32)
 
 
+@compiled
+def find_root(group: Index, k: int) -> int:
+    """Find the first member of the group of an item, `group` of shape (N,), and shorten the path to it."""
+    while group[k] != k:
+        group[k] = group[group[k]]
+        k = group[k]
+    return k
+
+
+def find_high_maxima(heights: Array, least: float) -> Mask:
+    """Find the pixels of the maxima of a grid from which every way to a higher pixel descends by a least height.
+
+    The highest ones are among them if they are so far above the lowest pixel. Pixels also connect at corners
+    (h-maxima: Soille 2004, doi:10.1007/978-3-662-05088-0).
+    """
+    low = heights.min()
+    padded = np.pad(heights.astype(float, copy=False), 1, constant_values=low)
+    flat, strides = padded.ravel() - low, np.array(padded.strides) // padded.itemsize
+    above = np.flatnonzero(flat > 0.0)
+    highest_first = above[np.argsort(-flat[above], kind="stable")]
+    beside = grid_points([[-1, 0, 1]] * heights.ndim) @ strides
+    group, equal = np.full((2, flat.size), -1)
+    found = np.zeros(flat.size, np.bool_)
+    _find_high_maxima(flat, highest_first, beside, least, group, equal, found)
+    return found.reshape(padded.shape)[(slice(1, -1),) * heights.ndim]
+
+
+@compiled
+def _find_high_maxima(
+    heights: Array, highest_first: Index, beside: Index, least: float, group: Index, equal: Index, found: Mask
+) -> None:
+    """Mark maxima that stand out; `group` and `equal` are -1 everywhere.
+
+    A group is what is connected by pixels no lower than the one at hand. Its first member is its maximum, and no longer
+    one when that pixel joins the group to a higher one. What is joined to an equal one is a maximum if that is.
+    """
+    for here in highest_first:
+        group[here] = here
+        for way in beside:
+            if group[here + way] >= 0:
+                one, other = find_root(group, here), find_root(group, here + way)
+                if heights[other] > heights[one] or (heights[other] == heights[one] and other < one):
+                    one, other = other, one
+                if one != other:
+                    found[other] = heights[other] - heights[here] >= least
+                    if heights[other] == heights[one] and not found[other]:
+                        equal[other] = one
+                    group[other] = one
+    for here in highest_first:
+        if group[here] == here:
+            found[here] = heights[here] >= least
+        elif equal[here] >= 0:
+            found[here] = found[equal[here]]
+
+
 def spread_labels(labels: NDArray[_Kind]) -> NDArray[_Kind]:
     """Give each pixel without a label, which is 0, that of the nearest pixel with one."""
     nearest = scipy.ndimage.distance_transform_edt(labels == 0, return_distances=False, return_indices=True)
@@ -236,15 +291,6 @@ def label_joined_pairs(pairs: Iterable[Index], count: int) -> Index:
     one, other = pairs
     joined = scipy.sparse.coo_array((np.ones(len(one)), (one, other)), (count, count))
     return scipy.sparse.csgraph.connected_components(joined, directed=False)[1].astype(np.int64)
-
-
-@compiled
-def find_root(group: Index, k: int) -> int:
-    """Find the first member of the group of an item, `group` of shape (N,), and shorten the path to it."""
-    while group[k] != k:
-        group[k] = group[group[k]]
-        k = group[k]
-    return k
 
 
 _MIN_RELATIVE_VALUE = 1e-3

@@ -8,10 +8,9 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-import skimage
 
 from cpm_core.field.edge_map import edge_map
-from cpm_core.numerics.grids import Window, flood_from_markers, label_parts, running_maximum
+from cpm_core.numerics.grids import Window, find_high_maxima, flood_from_markers, label_parts, running_maximum
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.objects.boundaries.crossings import find_crossings
 from cpm_core.objects.merged_basins import MIN_OBJECT_AREA, MergedBasins
@@ -82,8 +81,7 @@ class ImageParts:
             return cls(partition, labels, count, np.zeros(2), none, none, np.zeros(2, bool), np.zeros(shape, bool))
         lines = find_crossings([contour.path for contour in partition.contours], shape).pixels
         depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(~lines), 1.0)
-        tops = skimage.morphology.h_maxima(depth, _MIN_GAP_DEPTH)  # type: ignore[no-untyped-call]
-        markers, _ = label_parts((tops > 0) & (depth > _MIN_PART_DEPTH))
+        markers, _ = label_parts(find_high_maxima(depth, _MIN_GAP_DEPTH) & (depth > _MIN_PART_DEPTH))
         labels = flood_from_markers(-depth, markers).astype(np.int64)
         near, sides, along = running_maximum(lines, 1), [], []
         for here, there in (np.s_[1:, :], np.s_[:-1, :]), (np.s_[:, 1:], np.s_[:, :-1]):

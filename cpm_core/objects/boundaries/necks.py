@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-import skimage
 
-from cpm_core.numerics.grids import bounding_window, expand_window, flood_from_markers, label_parts, spread_labels
+from cpm_core.numerics.grids import (
+    bounding_window,
+    expand_window,
+    find_high_maxima,
+    flood_from_markers,
+    label_parts,
+    spread_labels,
+)
 from cpm_core.numerics.types import Array, Index, Mask
 
 _NECK_DEPTH_RATIO = 0.1
@@ -102,8 +108,7 @@ def split_at_necks(mask: Mask, radius: float | None = None, sides: Array | None 
     step = int(radius / _MAX_RADIUS)
     if step > 1 and mask.ndim == 2:
         return _split_coarsely(mask, radius, step)
-    tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK_DEPTH_RATIO * radius))  # type: ignore[no-untyped-call]
-    markers, _ = label_parts((tops > 0) & near)
+    markers, _ = label_parts(find_high_maxima(depth, max(0.5, _NECK_DEPTH_RATIO * radius)) & near)
     parts[window] = flood_from_markers(-depth, markers, near)
     return parts
 

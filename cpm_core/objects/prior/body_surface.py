@@ -16,6 +16,7 @@ from cpm_core.field.interpolation import value_at
 from cpm_core.image.surface import Surface
 from cpm_core.numerics.grids import find_connected_parts, grid_points, nearest_pixels, zero_surface
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import limit_blas
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
 from cpm_core.objects.prior.body_prediction import MAX_LOGIT, BodyPrediction
 from cpm_core.objects.prior.crops import Crop3D
@@ -74,8 +75,8 @@ def extract_body_surface(
     vertices = body.crop.to_positions(vertices - 1.0) / size
     held = ((vertices <= 0.0) | (vertices >= last)).any(axis=1)
     scale = max(body.crop.step_size, 1.0)
-    away = scipy.spatial.KDTree(np.concatenate([inside, outside]) * size).query(vertices * size)[0]
-    held |= away < _POINT_PROTECTION * scale
+    for place in np.concatenate([inside, outside]):
+        held |= np.linalg.norm((vertices - place) * size, axis=1) < _POINT_PROTECTION * scale
     ends = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
     joined = scipy.sparse.csr_array((np.ones(len(ends)), ends.T), shape=(len(vertices),) * 2)
     joined = joined + joined.T + scipy.sparse.eye_array(len(vertices))
@@ -99,9 +100,10 @@ def _select_connected_logits(body: BodyPrediction, inside: Array, outside: Array
     for axis, line in enumerate(body.crop.axis_positions):
         within = np.flatnonzero((line > -0.5 * size[axis]) & (line < (shape[axis] - 0.5) * size[axis])) + 1
         first, end = (within[0], within[-1]) if len(within) else (1, len(line))
-        at = np.arange(len(line) + 2)
-        logits = logits.take(np.clip(at, first if first > 1 else 0, end if end < len(line) else len(line) + 1), axis)
-    logits = np.ascontiguousarray(logits)
+        if first > 1 or end < len(line):
+            at = np.arange(len(line) + 2)
+            at = np.clip(at, first if first > 1 else 0, end if end < len(line) else len(line) + 1)
+            logits = logits.take(at, axis)
     for axis in range(3):
         np.moveaxis(logits, axis, 0)[[0, -1]] = -MAX_LOGIT
     corners = [_find_cell_corners(body.crop, places) for places in (inside, outside)]
@@ -122,6 +124,7 @@ def _find_cell_corners(cube: Crop3D, places: Array) -> Index:
     return np.clip(first[:, None] + around, 0, len(cube.axis_positions[0]) + 1).reshape(-1, 3)
 
 
+@limit_blas()
 def _find_edge_offsets(surface: Surface, mean: Any, values: Array, size: Array, scale: float) -> Array:
     """Find the offsets along the normals from the vertices to the steepest places of the gray levels.
 
@@ -134,7 +137,7 @@ def _find_edge_offsets(surface: Surface, mean: Any, values: Array, size: Array, 
     smooth: Array = raw
     for _ in range(_AVERAGING_ROUNDS):
         smooth = np.asarray(mean @ smooth)
-    slope = scipy.ndimage.gaussian_filter1d(smooth, _SLOPE_SIGMA, axis=1, order=1, mode="nearest")
+    slope = smooth @ scipy.ndimage.gaussian_filter1d(np.eye(len(away)), _SLOPE_SIGMA, order=1, mode="nearest")
     rise = smooth[:, -2:].mean(axis=1) - smooth[:, :2].mean(axis=1)
     steep = np.maximum(slope * np.sign(rise)[:, None], 0.0) * np.exp(-0.5 * np.square(away / away[-1]))
     peak = np.clip(steep.argmax(axis=1), 1, len(away) - 2)

@@ -336,8 +336,12 @@ def resample_with_tent(values: Array | Single | Mask, lines: list[Array], widths
         box.append(slice(first, end))
     found = values[tuple(box)].astype(np.float32)
     for axis in np.argsort([len(tent) / tent.shape[1] for tent in weights]).tolist():
-        found = np.moveaxis(np.tensordot(weights[axis], found, (1, axis)), 0, axis)
-    return np.ascontiguousarray(found)
+        tent, before, behind = weights[axis], found.shape[:axis], found.shape[axis + 1 :]
+        if behind:
+            found = (tent @ found.reshape(*before, tent.shape[1], -1)).reshape(*before, len(tent), *behind)
+        else:  # one product instead of one for each line
+            found = found @ tent.T
+    return found
 
 
 def average_blocks(values: Single, side: int) -> Single:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import reduce
+from itertools import accumulate
 
 import numpy as np
 import scipy
@@ -22,9 +23,6 @@ _GRAY_TOLERANCES = 8.0 * 1.25 ** np.arange(12)
 _MAX_STABLE_GROWTH = 0.2
 """Largest growth of the logarithm of a volume from one tolerance to the next where it is stable."""
 
-_BRIDGE_RADII = range(1, 6)
-"""Radii of the bridges that are cut one after another [steps twice as long]."""
-
 _MAX_CUT_SIZE = 0.8
 """Largest size of a region without its bridges, as a fraction of its size with them: else little hangs on them."""
 
@@ -36,6 +34,9 @@ _MIN_OPENED_SIZE = 500
 
 _BESIDE = np.eye(3, dtype=np.int64), 1 - np.eye(3, dtype=np.int64)
 """Reaches of the boxes that hold the neighbors of a step by faces, and those by faces or edges [steps]."""
+
+_BALLS = tuple(_BESIDE[number % 2] for number in range(5))
+"""What makes the radius of a ball larger by one step, up to that of the widest bridges that are cut."""
 
 _OPENED_MARGIN = 2
 """Distance up to which gray levels widen an opened region [steps twice as long]."""
@@ -63,8 +64,8 @@ def find_stable_regions(context: CropContext) -> Iterator[Mask]:
     for axis, (first, last) in enumerate(context.inner_steps.tolist()):
         slices = np.moveaxis(difference, axis, 0)
         slices[:first], slices[last + 1 :] = np.inf, np.inf
-    largest = _find_largest_beside(difference, _BESIDE[0])
-    rank = np.searchsorted(_GRAY_TOLERANCES, largest, side="right").astype(np.int64)
+    rank = np.searchsorted(_GRAY_TOLERANCES, difference, side="right").astype(np.uint8)
+    rank = _find_largest_beside(rank, _BESIDE[0]).astype(np.int64)
     joined = np.full(rank.shape, len(_GRAY_TOLERANCES), np.int64)
     _join_by_rank(rank.ravel(), int(np.ravel_multi_index(step, rank.shape)), joined.reshape(-1))
     sizes = np.cumsum(np.bincount(joined.ravel(), minlength=len(_GRAY_TOLERANCES) + 1))[:-1]
@@ -72,8 +73,8 @@ def find_stable_regions(context: CropContext) -> Iterator[Mask]:
     beside = np.pad(growth, 1, constant_values=_MAX_STABLE_GROWTH)
     is_stable = (growth <= beside[:-2]) & (growth < beside[2:]) & (sizes[:-1] > 1)
     for number in np.flatnonzero(is_stable).tolist():
-        core = scipy.ndimage.binary_dilation(joined <= number, iterations=2)
-        yield core & (difference < _GRAY_TOLERANCES[number])
+        near = reduce(_find_largest_beside, [_BESIDE[0]] * 2, joined <= number)
+        yield near & (difference < _GRAY_TOLERANCES[number])
 
 
 def predict_opened_body(context: CropContext, before: BodyPrediction | None = None) -> BodyPrediction | None:
@@ -92,7 +93,8 @@ def predict_opened_body(context: CropContext, before: BodyPrediction | None = No
     for axis, (first, last) in enumerate((context.inner_steps // 2).tolist()):
         slices = np.moveaxis(difference, axis, 0)
         slices[:first], slices[last + 1 :] = np.inf, np.inf
-    opened = {tolerance: _cut_bridges(difference < tolerance, inner[0]) for tolerance in _GRAY_TOLERANCES.tolist()}
+    largest = list(accumulate(_BALLS, _find_largest_beside, initial=difference))
+    opened = {tolerance: _cut_bridges(largest, tolerance, inner[0]) for tolerance in _GRAY_TOLERANCES.tolist()}
     fits = {
         tolerance: region
         for tolerance, region in opened.items()
@@ -111,7 +113,8 @@ def predict_opened_body(context: CropContext, before: BodyPrediction | None = No
     slice_logits = repeat_blocks(coarse.astype(np.float32), 2)
     logits = refine_by_intensity(context, slice_logits)
     inside = logits > 0.0
-    left = _open_around(inside, nearest_pixels(context.positive[0], inside.shape), _THIN_BRIDGE_RADIUS)
+    core = ~reduce(_find_largest_beside, _BALLS[:_THIN_BRIDGE_RADIUS], ~inside)
+    left = _open_around(inside, core, nearest_pixels(context.positive[0], inside.shape), _THIN_BRIDGE_RADIUS)
     if left is not None:
         slice_logits, logits = (
             np.where(inside & ~left, np.float32(low), values)
@@ -136,18 +139,20 @@ def _find_clearest(regions: dict[float, Mask], grays: Single) -> float:
     return max(same, key=lambda each: same[each])
 
 
-def _cut_bridges(mask: Mask, step: Index) -> Mask | None:
-    """Cut bridges to the part of a mask around a step, the thinnest first; None unless much is lost, and then no more.
+def _cut_bridges(largest: list[Single], tolerance: float, step: Index) -> Mask | None:
+    """Cut bridges from a region within a tolerance around a step, the thinnest first, until hardly more is lost.
 
-    A part may begin as far from the step as the bridges are wide.
+    None unless much is lost before. `largest` are the largest differences within balls of radius 0, 1, ... around each
+    step. A part may begin as far from the step as the bridges are wide.
     """
+    mask = largest[0] < tolerance
     parts, _ = scipy.ndimage.label(mask)
     before = (parts == parts[tuple(step)]) & mask
     most = _MAX_CUT_SIZE * np.count_nonzero(before)
     if most < _MIN_OPENED_SIZE:
         return None
-    for radius in _BRIDGE_RADII:
-        region = _open_around(mask, step, radius)
+    for radius in range(1, len(largest)):
+        region = _open_around(mask, largest[radius] < tolerance, step, radius)
         size = 0 if region is None else np.count_nonzero(region)
         if region is None or size < _MIN_OPENED_SIZE:
             return None
@@ -158,16 +163,17 @@ def _cut_bridges(mask: Mask, step: Index) -> Mask | None:
     return None
 
 
-def _open_around(mask: Mask, step: Index, radius: int) -> Mask | None:
-    """Open a mask by a ball (morphological opening), and find the part that is left near a step; None without one."""
-    balls = [_BESIDE[number % 2] for number in range(radius)]
-    core = ~reduce(_find_largest_beside, balls, ~mask)
+def _open_around(mask: Mask, core: Mask, step: Index, radius: int) -> Mask | None:
+    """Open a mask by a ball (morphological opening), and find the part that is left near a step; None without one.
+
+    `core` are the middles of the balls that lie in the mask.
+    """
     parts, _ = scipy.ndimage.label(core)
     counts = np.bincount(parts[window_around(step, radius)].ravel())
     if not counts[1:].any():
         return None
     part = parts == 1 + counts[1:].argmax()
-    return np.asarray(reduce(_find_largest_beside, reversed(balls), part) & mask)
+    return np.asarray(reduce(_find_largest_beside, reversed(_BALLS[:radius]), part) & mask)
 
 
 def _find_largest_beside(values: Values, reaches: Index) -> Values:

@@ -1,12 +1,13 @@
-"""The running maximum is the maximum over a box, as a filter finds it."""
+"""The running maximum is the maximum over a box, as a filter finds it; high maxima stand out around them."""
 
 import numpy as np
+import skimage
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
 from cpm_core.image.border import dilate_by_distance
-from cpm_core.numerics.grids import running_maximum
+from cpm_core.numerics.grids import find_high_maxima, running_maximum
 
 shapes = st.one_of(st.tuples(st.integers(1, 12), st.integers(1, 12)), st.tuples(*[st.integers(1, 6)] * 3))
 
@@ -31,3 +32,13 @@ def test_within_a_distance_of_some_pixels(shape, reach, seed):
     some[(0,) * len(shape)] = True
     distance = ndimage.distance_transform_edt(~some)
     np.testing.assert_array_equal(dilate_by_distance(some, reach), distance <= reach + 1e-9)
+
+
+@settings(max_examples=24, deadline=None)
+@given(shapes, st.floats(0.5, 2.0), st.integers(0, 10**6), st.booleans())
+def test_high_maxima_are_those_that_a_reconstruction_leaves(shape, least, seed, equal):
+    """Equal maxima count together, whether a way between them descends or not."""
+    heights = np.random.default_rng(seed).normal(scale=2.0, size=shape)
+    heights = np.round(heights) if equal else heights
+    expected = skimage.morphology.h_maxima(heights, least) > 0
+    np.testing.assert_array_equal(find_high_maxima(heights, least), expected)
