@@ -87,8 +87,8 @@ class Contour(Curve):
     >>> square = cpm.Contour(corners, closed=True, name="a square")
     >>> square
     <Contour a square, closed, 40.0 px around 100.0 px², 4 vertices>
-    >>> square.length, square.area, square.box.tolist(), len(square.path)
-    (40.0, 100.0, [[2.0, 2.0], [12.0, 12.0]], 5)
+    >>> square.length, square.area, square.box.tolist(), len(square.path), square.encloses_area
+    (40.0, 100.0, [[2.0, 2.0], [12.0, 12.0]], 5, True)
     >>> found = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8)).contours[0]
     >>> round(found.contrast, 2)
     0.92

@@ -410,8 +410,8 @@ class Partition(drawing.Pictured):
     def _correct_by_network(self, prompt: Prompt, mask: Mask, free: Mask) -> Candidate:
         """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove.
 
-        The object may also be another one of those that the positive points may mean: a user points at the middle of
-        what is wrong.
+        The object may also be another one of those that the first point may mean: a user points at the middle of what
+        is wrong.
         """
         before, wrong = Region.from_mask(mask), prompt.find_contradictions(mask)
         adds, removes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
@@ -430,16 +430,17 @@ class Partition(drawing.Pictured):
         return self._keep_connected(found, prompt, free)
 
     def _list_meant(self, prompt: Prompt) -> tuple[Candidate, ...]:
-        """List the objects that a prompt may mean without its negative points and its previous mask.
+        """List the objects that the first point of a prompt, or what has been drawn, may mean.
 
-        They are kept until those of another prompt are, as further negative points need them again.
+        They are kept until those of another one are, as further points need them again.
         """
-        meant = replace(prompt, negative=prompt.negative[:0], previous_mask=None)
-        drawn = b"" if meant.drawn_area is None else meant.drawn_area.tobytes()
-        key = meant.positive.tobytes(), meant.box, drawn
+        drawn, box = prompt.drawn_area, prompt.box
+        points = prompt.positive[: drawn is None and box is None]
+        key = points.tobytes(), box, None if drawn is None else drawn.tobytes()
         found = self._kept_meant.get(key)
         if found is None:
-            found = tuple(self._predict_candidates(meant)) if meant.point_count or meant.box else ()
+            meant = replace(prompt, positive=points, negative=NO_PIXELS, previous_mask=None)
+            found = tuple(self._predict_candidates(meant)) if meant.point_count or box else ()
             self._kept_meant.clear()
             self._kept_meant[key] = found
         return found
