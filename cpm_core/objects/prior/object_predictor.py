@@ -66,6 +66,13 @@ _MAX_IMAGE_SHARE = 0.5
 SAME_OBJECT_IOU = 0.7
 """Overlap of the answers to two crops above which they mean the same object."""
 
+_CLOSE_LIKELIHOOD = 0.05
+"""Difference in predicted overlaps up to which answers are ranked once more when they are refined.
+
+For 380 first clicks in objects of 44 kinds that people outlined, the answer overlaps by 0.645 with it, by 0.635 with
+none, and by 0.624 with twice as much.
+"""
+
 MAX_PREDICTIONS = 6
 """Largest number of objects that one prompt may mean."""
 
@@ -251,23 +258,34 @@ class ObjectPredictor:
     def _rank_predictions(self, prompt: Prompt, known_area: float | None) -> Iterator[Prediction]:
         """Predict different objects that a prompt may mean, the likeliest first, and last those cut.
 
-        What is predicted of their overlap before they are refined tells them apart best: afterwards each is likely.
+        Those that are about as likely are ranked once more when they are refined, then by their certainty as well:
+        before, one of several answers in a crop may be certain only because it differs from the others.
         """
 
         def likelihood(answer: CropPrediction) -> float:
             return answer.predicted_iou - answer.compute_penalty(known_area, prompt.drawn_area)
 
-        crops = map_in_parallel(lambda window: self._predict_in_crop(window, prompt), [*self._propose_crops(prompt)])
-        answers = sorted(itertools.chain.from_iterable(crops), key=likelihood, reverse=True)
-        cut: list[Prediction] = []
-        for answer in _choose_distinct(answers):
+        def score(answer: CropPrediction) -> float:
+            return likelihood(answer) + 0.5 * (answer.mean_certainty - answer.predicted_iou)
+
+        def refine(answer: CropPrediction) -> tuple[Prediction, CropPrediction]:
             others = (one for one in answers if one.crop is not answer.crop)
             agreement = max((answer.compute_iou_with(one) for one in others), default=1.0)
-            found, last = self._refine_prediction(answer, prompt, agreement, 0)
-            if last.is_cut(self.values.shape[:2]):
-                cut.append(found)
-            else:
-                yield found
+            return self._refine_prediction(answer, prompt, agreement, 0)
+
+        crops = map_in_parallel(lambda window: self._predict_in_crop(window, prompt), [*self._propose_crops(prompt)])
+        answers = sorted(itertools.chain.from_iterable(crops), key=likelihood, reverse=True)
+        distinct = _choose_distinct(answers)
+        close = sum(likelihood(answer) > likelihood(distinct[0]) - _CLOSE_LIKELIHOOD for answer in distinct)
+        cut: list[Prediction] = []
+        for group in (distinct[:close], *([answer] for answer in distinct[close:])):
+            refined: list[tuple[float, Prediction]] = []
+            for found, last in map_in_parallel(refine, group):
+                if last.is_cut(self.values.shape[:2]):
+                    cut.append(found)
+                else:
+                    refined.append((score(last), found))
+            yield from (found for _, found in sorted(refined, key=lambda one: -one[0]))
         yield from cut
 
     def predict_at_scales(self, pixel: Index, largest: float) -> Iterator[Prediction]:

@@ -156,6 +156,22 @@ def test_what_is_cut_at_the_sides_of_its_crop_comes_after_what_is_whole():
     assert overlap(others[-1].mask, disk) < 0.9
 
 
+def test_of_answers_that_are_about_as_likely_the_one_that_is_more_likely_as_refined_comes_first():
+    row, col = np.indices((600, 600))
+    disk, seen = np.hypot(row - 300, col - 300) < 150, []
+
+    def answer(maps):
+        """Answer with what is near the click where the disk fills the crop, which is likely in the first one alone."""
+        seen.append(maps)
+        if np.ptp(maps[0]) < 0.5:
+            return answers((maps[5] > 0.5, 0.9 if len(seen) == 1 else 0.2))
+        return answers((maps[0] > 0.0, 0.87))
+
+    first, *others = ObjectPredictor(200.0 * disk, network=answer).predict_objects(Prompt(np.array([[300, 300]])))
+    assert overlap(first.mask, disk) > 0.95
+    assert overlap(others[0].mask, disk) < 0.5
+
+
 def test_objects_of_one_brightness_are_told_apart_by_color():
     mask = np.hypot(ROW - 60.0, COL - 60.0) < 25.0
     color = np.where(mask[..., None], [180.0, 90.0, 110.0], [60.0, 153.0, 97.0])
