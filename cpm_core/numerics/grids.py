@@ -208,7 +208,7 @@ def find_high_maxima(heights: Array, least: float) -> Mask:
     (h-maxima: Soille 2004, doi:10.1007/978-3-662-05088-0).
     """
     low = heights.min()
-    padded = np.pad(heights.astype(float, copy=False), 1, constant_values=low)
+    padded = np.pad(np.ascontiguousarray(heights, np.float64), 1, constant_values=low)
     flat, strides = padded.ravel() - low, np.array(padded.strides) // padded.itemsize
     above = np.flatnonzero(flat > 0.0)
     highest_first = above[np.argsort(-flat[above], kind="stable")]

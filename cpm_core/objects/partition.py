@@ -7,6 +7,7 @@ network answers that has learned from outlined images (`uses_network`).
 from __future__ import annotations
 
 import itertools
+import threading
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
@@ -345,7 +346,7 @@ class Partition(drawing.Pictured):
     def _rank_candidates(self, request: _Request) -> Iterator[Candidate]:
         """Find the different objects that a request may mean, first the likeliest one."""
         prompt, free = request.prompt, request.free
-        answers = self._predict_candidates(prompt)
+        answers = iter(self._keep_candidates(prompt) if prompt.has_only_positive else self._predict_candidates(prompt))
         best = self._from_closed_contour(request) or self._from_previous(request)
         if best is None:
             best = Candidate(Region()) if request.is_empty else self._keep_connected(
@@ -410,8 +411,8 @@ class Partition(drawing.Pictured):
     def _correct_by_network(self, prompt: Prompt, mask: Mask, free: Mask) -> Candidate:
         """Correct the previous mask of a prompt by the network; positive points only add, negative ones only remove.
 
-        The object may also be another one of those that the first point may mean: a user points at the middle of what
-        is wrong.
+        The object may also be another one of those that the network predicts for the first point: a user points at the
+        middle of what is wrong.
         """
         before, wrong = Region.from_mask(mask), prompt.find_contradictions(mask)
         adds, removes = not mask[tuple(prompt.positive.T)].all(), mask[tuple(prompt.negative.T)].any()
@@ -424,29 +425,27 @@ class Partition(drawing.Pictured):
 
         found = next(self._predict_candidates(prompt), Candidate(before))
         if adds != removes:
-            others = map(limit_change, self._list_meant(prompt))
+            first = prompt.positive[mask[tuple(prompt.positive.T)]][:1]
+            others = map(limit_change, self._keep_candidates(Prompt(first)) if len(first) else ())
             fitting = [one for one in others if not len(prompt.find_contradictions(one.region.paste(self.shape)))]
             found = max((limit_change(found), *fitting), key=lambda one: _rate_correction(one, mask, wrong))
         return self._keep_connected(found, prompt, free)
 
-    def _list_meant(self, prompt: Prompt) -> tuple[Candidate, ...]:
-        """List the objects that the first point of a prompt, or what has been drawn, may mean.
+    def _keep_candidates(self, prompt: Prompt) -> _KeptCandidates:
+        """Return the candidates for positive points alone; they are kept until those for others are.
 
-        They are kept until those of another one are, as further points need them again.
+        Further points need them again.
         """
-        drawn, box = prompt.drawn_area, prompt.box
-        points = prompt.positive[: drawn is None and box is None]
-        key = points.tobytes(), box, None if drawn is None else drawn.tobytes()
-        found = self._kept_meant.get(key)
-        if found is None:
-            meant = replace(prompt, positive=points, negative=NO_PIXELS, previous_mask=None)
-            found = tuple(self._predict_candidates(meant)) if meant.point_count or box else ()
-            self._kept_meant.clear()
-            self._kept_meant[key] = found
-        return found
+        key = prompt.positive.tobytes()
+        kept = self._kept_candidates.get(key)
+        if kept is None:
+            kept = _KeptCandidates(self._predict_candidates(prompt))
+            self._kept_candidates.clear()
+            self._kept_candidates[key] = kept
+        return kept
 
     @cached_property
-    def _kept_meant(self) -> dict[tuple[object, ...], tuple[Candidate, ...]]:
+    def _kept_candidates(self) -> dict[bytes, _KeptCandidates]:
         return {}
 
     def _outline_candidate(self, found: Candidate, request: _Request) -> Selection:
@@ -844,6 +843,23 @@ def _cut_body_at_necks(mask: Mask, pixels: Index) -> Mask:
     body = np.zeros_like(mask)
     body[box] = held[parts]
     return body
+
+
+class _KeptCandidates:
+    """Candidates that are predicted once, one after another, when they are first asked for; threads may share them."""
+
+    def __init__(self, predicted: Iterator[Candidate]) -> None:
+        self._predicted, self._known = predicted, list[Candidate]()
+        self._lock = threading.Lock()
+
+    def __iter__(self) -> Iterator[Candidate]:
+        for at in itertools.count():
+            with self._lock:
+                if at == len(self._known):
+                    self._known += itertools.islice(self._predicted, 1)
+            if at == len(self._known):
+                return
+            yield self._known[at]
 
 
 def _rate_correction(found: Candidate, previous: Mask, places: Index) -> float:

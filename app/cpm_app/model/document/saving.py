@@ -9,6 +9,7 @@ from typing import Any, cast
 
 from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.document.modes import MODES, switch_mode
+from cpm_app.model.document.objects import with_taken_numbers
 from cpm_app.model.text.language import tr
 from cpm_core import Parameters
 from cpm_core.formats import ImageFile, SessionFile, locate_file
@@ -48,8 +49,10 @@ def to_session_file(document: Document, view: View, before: SessionFile | None =
 def describe_changes(document: Document, known: Document | None) -> Texts:
     """Describe what differs from the `known` document, in words; a change of the mode alone is no work.
 
-    Objects are counted. Without a known document, as after a crash, everything differs.
+    Objects are counted; numbers that those of other pages take are no change. Without a known document, as after a
+    crash, everything differs.
     """
+    known = known and with_taken_numbers(known, document.objects.taken)
     if document == known:  # as it mostly is, and the rest takes longer
         return ()
     begun = document == switch_mode(document, document.mode)

@@ -468,7 +468,7 @@ class StackPages(QObject):
 
 
 def _is_changed(page: KeptPage, known: KeptPage | None) -> bool:
-    """Tell whether the user has drawn starts or selected objects on a page since it was `known`, if it was."""
+    """Tell whether the user has drawn starts, or selected or rejected objects, on a page since it was `known`."""
     now, before = page.document.objects, SegmentedObjects() if known is None else known.document.objects
-    selected = (now.items, now.clicks) != (before.items, before.clicks)
+    selected = (now.items, now.clicks, now.dismissed) != (before.items, before.clicks, before.dismissed)
     return selected or (page.has_own_start and (known is None or page.document != known.document))

@@ -75,7 +75,7 @@ def test_enter_right_at_the_end_of_a_run_waits_for_the_contours_of_its_last_step
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.key(KEY.Key_Return)
-    assert area.hint.text().startswith("What you pressed waits for the answer.")
+    assert selection.has_waiting_keys
     assert area.crosshair.position is None
     may_make.set()
     hand.wait(lambda: ready.session.idle and selection.idle and not selection.has_waiting_keys)

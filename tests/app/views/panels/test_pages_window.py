@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tifffile
 from cpm_app.model.document import edits
+from cpm_app.model.document.saving import describe_changes
 from cpm_app.session.features import kept_pages
 from cpm_app.session.features.kept_pages import KeptPage
 from cpm_app.views.features.exchange import ExportFeature
@@ -19,6 +21,7 @@ from cpm_app.views.window import dialogs
 from PySide6.QtCore import QCoreApplication, Qt
 
 from cpm_core import Page, Parameters
+from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Circle, Everywhere, Polygon, PolygonRegion
 from tests.app.conftest import disc
 from tests.app.exporting import asked, export
@@ -291,6 +294,7 @@ def test_the_first_undo_after_all_pages_were_run_takes_the_last_edit_back_and_no
     hand.canvas.setFocus()
     taken = stack.workspace.pages.largest_number
     assert taken > 0
+    assert not describe_changes(session.document, replace(session.document, objects=SegmentedObjects()))
     hand.key(Qt.Key.Key_Z, control)
     assert session.document.shapes == ()
     hand.key(Qt.Key.Key_Y, control)
