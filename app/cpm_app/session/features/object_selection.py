@@ -576,6 +576,8 @@ class ObjectSelection(QObject):
             self._session.messages.show(remark, category=EDITING_CATEGORY)
         self._remark = remark
         if candidate is not None and step is not None:
+            if self._asked[3:] == (step,):  # the same step can be asked for again
+                self._asked = (*self._asked[:3], None)
             self._on_candidate(step, *candidate)
         last, self._answered = self._answered, (selector, clicks)
         if last is None or last[0] is not selector:

@@ -914,6 +914,15 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
+def test_enter_after_more_steps_than_there_are_candidates_accepts_the_last_one(window, hand, objects) -> None:
+    hand.click(*SMALL[0])
+    for _ in range(6):
+        hand.key(KEY.Key_BracketRight)
+    take(hand)
+    hand.wait(lambda: objects.idle)
+    assert len(accepted_items(window)) == 1
+
+
 @pytest.mark.parametrize("in_table", [False, True], ids=["canvas", "table"])
 def test_all_like_an_object_come_after_what_a_run_proposes_and_enter_right_after_accepts_both(
     window, hand, objects, monkeypatch, in_table
