@@ -170,3 +170,11 @@ def test_a_journal_of_a_missing_image_is_reported_and_stays(window, hand, tmp_pa
     press(offer(window), "Restore")
     hand.wait(lambda: "gone.png" in window.canvas_area.messages.text)
     assert left.exists()
+
+
+def test_a_second_answer_to_the_question_about_unsaved_work_does_nothing(window, hand, image_file) -> None:
+    leave(journals_folder(), image_file)
+    box = offer(window)
+    press(box, "Restore")
+    press(box, "Restore")
+    hand.wait(lambda: len(window.session.document.shapes) == 2)

@@ -473,6 +473,8 @@ class RecoveryFeature(Feature):
         box.open()
 
     def _on_answer(self, answer: str) -> None:
+        if not self._waiting:  # another key has reached the box before it was gone
+            return
         if answer == "restore":
             if self._restoring is not None:  # its image was not found: keep it for another time
                 self._restoring.keep_for_later()
