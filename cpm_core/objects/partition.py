@@ -346,7 +346,8 @@ class Partition(drawing.Pictured):
     def _rank_candidates(self, request: _Request) -> Iterator[Candidate]:
         """Find the different objects that a request may mean, first the likeliest one."""
         prompt, free = request.prompt, request.free
-        answers = iter(self._keep_candidates(prompt) if prompt.has_only_positive else self._predict_candidates(prompt))
+        is_first = request.correction is None and prompt.has_only_positive
+        answers = iter(self._keep_candidates(prompt) if is_first else self._predict_candidates(prompt))
         best = self._from_closed_contour(request) or self._from_previous(request)
         if best is None:
             best = Candidate(Region()) if request.is_empty else self._keep_connected(
