@@ -115,10 +115,9 @@ def test_a_click_on_a_crack_selects_all_of_it_where_the_network_finds_nothing_li
 def test_a_line_within_a_much_larger_answer_does_not_precede_it(monkeypatch):
     row, col = np.indices((200, 200), float)
     line = (np.abs(col - 100.0) < 1.5) & (np.abs(row - 100.0) < 70.0)
-    cut = Partition(as_image(120.0 - 60.0 * line), ())
     for radius, first in ((6.0, line), (60.0, np.hypot(row - 100.0, col - 100.0) < 60.0)):
         found = np.hypot(row - 100.0, col - 100.0) < radius
         unlikely = Prediction(found, 1.0, 0.05, 0.05, 0.05, 0.05)
         monkeypatch.setattr(ObjectPredictor, "predict_objects", lambda *_, one=unlikely: iter([one]))
-        chosen = cut.select([(100.0, 100.0)])
+        chosen = Partition(as_image(120.0 - 60.0 * line), ()).select([(100.0, 100.0)])
         assert compute_iou(chosen.mask, first) > 0.7
