@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.numerics.grids import lie_inside, measure_depth, true_bounds
+from cpm_core.numerics.grids import bounding_window, first_pixel, lie_inside, measure_depth, true_bounds
 from cpm_core.numerics.types import Array, Callback, Index, Mask, record
 from cpm_core.objects import Partition, Selection, compute_iou
 from cpm_core.objects.partition import drop_fragments
@@ -327,10 +327,10 @@ def _find_core(mask: Mask) -> Mask:
 
 def _find_beside(mask: Mask, others: Sequence[Mask]) -> Index:
     """Find the deepest pixel of each of the others, as shape (K, 2), that lies beside a mask, within its box."""
-    box = tuple(map(slice, *(bound + by for bound, by in zip(true_bounds(mask), (0, 1), strict=True))))
-    beside = (measure_depth(other[box] & ~mask[box]) for other in others if other[box].any())
+    box = bounding_window(mask)
+    beside = (measure_depth(other[box] & ~mask[box]) for other in others)
     deepest = [np.unravel_index(depth.argmax(), depth.shape) for depth in beside if depth.any()]
-    return np.array(deepest, np.int64).reshape(-1, 2) + true_bounds(mask)[0]
+    return np.array(deepest, np.int64).reshape(-1, 2) + first_pixel(box)
 
 
 def _shift_mask(mask: Mask, by: Index) -> Mask:
