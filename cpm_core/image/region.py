@@ -174,10 +174,13 @@ class Region:
             last = np.clip(np.ceil(high) + 1, first, end).astype(int)
             return tuple(first.tolist()), self._rasterize(tuple(first.tolist()), tuple(last.tolist()))
         origin, packed = self._box
-        first = np.clip(origin, begin, end)
-        last = np.clip(np.add(origin, packed.shape), first, np.maximum(first, end))
-        sides = (np.minimum(edge - origin, packed.shape).tolist() for edge in (first, last))
-        return tuple(first.tolist()), packed.cut(tuple(map(slice, *sides)))
+        sides = list(zip(origin, packed.shape, map(int, begin), map(int, end), strict=True))
+        first = tuple(min(max(at, low), high) for at, _, low, high in sides)
+        window = (
+            slice(min(start - at, n), min(max(start, min(at + n, high)) - at, n))
+            for start, (at, n, _, high) in zip(first, sides, strict=True)
+        )
+        return first, packed.cut(tuple(window))
 
     def _rasterize(self, first: Integers, last: Integers) -> Mask:
         """Mark the pixels of a box inside the boundary; those of the last box are kept, as each click needs them."""
@@ -283,6 +286,9 @@ class Region:
 
     def count_shared(self, other: Region) -> int:
         """Count the pixels that this region has in common with another."""
+        sides = zip(self.window, other.window, strict=True)
+        if any(one.stop <= two.start or two.stop <= one.start for one, two in sides):
+            return 0
         there, mask = self._find_overlap(other)
         return int(np.count_nonzero(self._box[1].cut(there) & mask))
 
