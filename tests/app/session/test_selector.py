@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cpm_app.session.features.selector import Selector
+from cpm_app.session.features.selector import Selector, is_covered
 from cpm_app.session.scene import Proposal
 
 from cpm_core import Partition, VolumePartition, example, partition
@@ -48,3 +48,14 @@ def test_an_answer_that_was_seen_gives_way_to_another_object_only_if_that_is_lik
     seen = other if is_sure else replace(other, confidence=0.1)
     found = Selector(there, (), shown={clicks: seen}).selection_for(clicks)
     assert found.contains(np.array([(32.0, 46.0)])).all() == is_sure
+
+
+def test_bodies_of_an_accepted_object_are_covered_but_not_a_nucleus_in_it_nor_parts_of_what_may_be_wrong() -> None:
+    row, col = np.indices((60, 90))
+    small, large = np.hypot(row - 30, col - 62) < 11, np.hypot(row - 30, col - 32) < 20
+    whole = SegmentedObject(1, (), Region.from_mask(small | large))
+    body, nucleus = Region.from_mask(small & ~large), Region.from_mask(np.hypot(row - 30, col - 32) < 8)
+    assert is_covered(body, [whole])
+    assert not is_covered(nucleus, [whole])
+    assert not is_covered(body, [], [whole])
+    assert is_covered(whole.region, [], [whole])

@@ -27,21 +27,24 @@ from cpm_app.session.features.selector import (
     PartitionSource,
     PartitionUpdater,
     Selector,
+    find_limits,
     find_proposals,
     is_covered,
+    is_offered,
 )
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EDITING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
-from cpm_core import Partition, Result, Selection, select_all
+from cpm_core import Partition, Result, Selection
 from cpm_core.numerics import Place
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.confidence import whole_percent
-from cpm_core.objects.segmented import Click, selection_from_object
+from cpm_core.objects.segmented import Click, selection_from_object, unite_regions
 from cpm_core.objects.segmented.segmented_object import Clicks
+from cpm_core.objects.similar_objects import find_similar_objects
 
 Made = TypeVar("Made")
 
@@ -317,12 +320,18 @@ class ObjectSelection(QObject):
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
-        example, offered, there = known[number], self.proposals, (*known.items, *known.dismissed)
+        example, offered = known[number], self.proposals
 
         def find_new(task: BackgroundTask) -> list[Selection]:
-            found = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
-            seen = (each.proposed_object for each in offered if each.selection.has_boundary)
-            return [each for each in found if each.has_boundary and not is_covered(each.region, (*there, *seen))]
+            taken = unite_regions(find_limits(example, known.items), partition.shape)
+            found = find_similar_objects(partition, selection_from_object(example, partition.shape), taken)
+            return [
+                each
+                for each in found
+                if each.has_boundary
+                and not is_covered(each.region, known.items, known.dismissed)
+                and not is_offered(each, offered)
+            ]
 
         def offer(new: Sequence[Selection]) -> None:
             if partition.image is not self._session.image:
@@ -406,8 +415,7 @@ class ObjectSelection(QObject):
 
     def _offer(self, found: Sequence[Proposal], alike: Sequence[Proposal], covered: Sequence[Proposal]) -> None:
         """Offer what was found, then the objects like one that are not among it, then what is covered, with keys."""
-        known = [each.proposed_object for each in (*found, *covered) if alike and each.selection.has_boundary]
-        apart = [each for each in alike if not is_covered(each.selection.region, known)]
+        apart = [each for each in alike if not is_offered(each.selection, (*found, *covered))]
         numbered = (
             each if each.key == ~at else replace(each, key=~at) for at, each in enumerate((*found, *apart, *covered))
         )
@@ -461,10 +469,9 @@ class ObjectSelection(QObject):
             self._searched, self._found, self._covered, self._is_searched = partition, (), (), False
             self._finding.cancel()
             found, known = partial(self._on_objects_found, partition), self._session.document.objects
-            there = (*known.items, *known.dismissed)
 
             def find_and_compare(task: BackgroundTask) -> list[tuple[Proposal, bool]]:
-                return [(each, is_covered(each.selection.region, there)) for each in find(task)]
+                return [(each, is_covered(each.selection.region, known.items, known.dismissed)) for each in find(task)]
 
             self._finding = self._start_finding(name, find_and_compare, found)
 
