@@ -158,9 +158,8 @@ class StackPages(QObject):
 
     @property
     def is_turning(self) -> bool:
-        """Whether the requested page is being opened; false if that has failed or was canceled."""
-        opening = self._opening is not ENDED_TASK and not self._opening.is_cancelled
-        return self._turning or (opening and self.wanted_page != self.number)
+        """Whether a page is being opened, or the open one again; false if that has failed or was canceled."""
+        return self._turning or (self._opening is not ENDED_TASK and not self._opening.is_cancelled)
 
     @property
     def has_images(self) -> bool:
@@ -296,6 +295,8 @@ class StackPages(QObject):
         if opened.saved is not None and opened.saved.is_other_page:
             # another page may be requested by now: the state of this one is kept until `_open_wanted_page` leaves it
             self.number = self.source.page_number(opened.reading)
+            if self.number == self.wanted_page:
+                self._opening = ENDED_TASK
             page = self._kept.get(self.number)
             if page is not None:
                 self._given_starts = page.given_starts

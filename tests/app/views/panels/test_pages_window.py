@@ -22,6 +22,7 @@ from PySide6.QtCore import QCoreApplication, Qt
 
 from cpm_core import Page, Parameters
 from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.pages import ObjectFollower
 from cpm_core.shapes import Circle, Everywhere, Polygon, PolygonRegion
 from tests.app.conftest import disc
 from tests.app.exporting import asked, export
@@ -349,6 +350,28 @@ def test_objects_of_a_page_stay_when_the_run_of_all_pages_comes_to_it(stack, han
     later_pages.set()
     settled(stack, hand)
     assert stack.session.document.objects.items == accepted
+
+
+def test_enter_that_waits_on_a_page_acts_after_the_run_of_all_pages_has_come_to_it(
+    stack, hand, later_pages, monkeypatch
+) -> None:
+    session, selection, may_find = stack.session, stack.workspace.object_selection, threading.Event()
+    find = ObjectFollower.find_on_page
+    monkeypatch.setattr(ObjectFollower, "find_on_page", lambda *given: (may_find.wait(60), find(*given))[1])
+    hand.qtbot.mouseClick(stack.get_feature(PagesFeature).bar.run, LEFT)
+    hand.wait(lambda: 1 in stack.workspace.pages._proposed and selection.idle and bool(selection.proposals))
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Return)
+    hand.key(Qt.Key.Key_PageDown)
+    hand.wait(lambda: stack.workspace.pages.number == 2 and selection.awaits_offer)
+    hand.key(Qt.Key.Key_Return)
+    assert selection.has_waiting_keys
+    with hand.qtbot.waitSignal(session.image_changed):
+        later_pages.set()
+    may_find.set()
+    settled(stack, hand)
+    hand.wait(lambda: not selection.has_waiting_keys)
+    assert len(session.document.objects.items) == 1
 
 
 def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(stack, hand) -> None:
