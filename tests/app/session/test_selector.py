@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
+from cpm_app.model.document.objects import object_from_selection
 from cpm_app.session.features.selector import Selector, is_covered
 from cpm_app.session.scene import Proposal
 
@@ -59,3 +61,17 @@ def test_bodies_of_an_accepted_object_are_covered_but_not_a_nucleus_in_it_nor_pa
     assert not is_covered(nucleus, [whole])
     assert not is_covered(body, [], [whole])
     assert is_covered(whole.region, [], [whole])
+
+
+def test_a_first_click_in_an_object_selects_another_one_there() -> None:
+    row, col = np.indices((120, 120))
+    cell, nucleus = np.hypot(row - 60, col - 60) < 38, np.hypot(row - 64, col - 55) < 13
+    levels = scipy.ndimage.gaussian_filter(30.0 + 80.0 * cell + 20.0 * nucleus, 1.2)
+    there = partition(levels + np.random.default_rng(5).normal(0.0, 4.0, cell.shape))
+    clicks = (Click(((64.0, 55.0),)),)
+    whole = Selector(there, ()).selection_for(clicks)
+    item = object_from_selection(whole, clicks, 1, 1)
+    other = Selector(there, (item,)).selection_for(clicks)
+    assert whole.region.compute_iou(Region.from_mask(cell)) > 0.9
+    assert other.region.compute_iou(Region.from_mask(nucleus)) > 0.8
+    np.testing.assert_array_equal(Selector(there, (item,), edited=1).selection_for(clicks).mask, whole.mask)

@@ -85,7 +85,8 @@ class ObjectSelection(QObject):
         self._session, self._list, self._commands = session, object_list, commands
         self._pages, self._followed_objects = pages, followed_objects
         self._in_use, self._run_ended, self._was_running = False, False, False
-        self._pointed: Click | None = None
+        self._pointed: tuple[Click, bool] | None = None
+        """The click to preview, and whether it is for another object than what is proposed."""
         self._steps = 0
         self._waiting: deque[WaitingAction] = deque()
         self._answered: tuple[Selector, Clicks] | None = None
@@ -209,17 +210,17 @@ class ObjectSelection(QObject):
 
     # Clicks
 
-    def preview_click(self, at: Place | None, inside: bool = True) -> None:
-        """Preview the effect of a click at a place; None for no place."""
-        self._pointed = Click((at,), inside) if at is not None else None
+    def preview_click(self, at: Place | None, inside: bool = True, another: bool = False) -> None:
+        """Preview the effect of a click at a place, perhaps for another object there; None for no place."""
+        self._pointed = (Click((at,), inside), another) if at is not None else None
         if at is None:
             self._update_shown_objects(preview=None)
         self._request_answer()
 
-    def add_click(self, click: Click) -> None:
-        """Add a click: positive points of the object, or negative ones."""
+    def add_click(self, click: Click, another: bool = False) -> None:
+        """Add a click: positive points of the object, or of `another` than what is proposed, or negative ones."""
         self._remark = ""
-        clicks, number = self._clicks_to_extend(click)
+        clicks, number = self._clicks_to_extend(click, another)
         self._set_clicks(tr("select") if click.inside else tr("remove from selection"), (*clicks, click), number)
 
     def correct_object(self, number: int) -> None:
@@ -392,12 +393,16 @@ class ObjectSelection(QObject):
         alone = len(self.proposals) == 1 and self.proposals[0].followed_object is None
         return self.proposals[0].key if alone else 0
 
-    def _clicks_to_extend(self, click: Click) -> tuple[Clicks, int]:
-        """Return the clicks that one continues, and the number of their object; none that have found nothing."""
+    def _clicks_to_extend(self, click: Click, another: bool) -> tuple[Clicks, int]:
+        """Return the clicks that one continues, and the number of their object; none that have found nothing.
+
+        One for `another` object continues only those of the object being selected.
+        """
         found_nothing = self.selecting and self.answered and not any(
             each.selection.has_boundary for each in self.proposals if not each.key
         )  # fmt: skip
-        return ((), 0) if found_nothing else self._clicks_before(self._number_to_correct(click))
+        number = 0 if another and click.inside else self._number_to_correct(click)
+        return ((), 0) if found_nothing else self._clicks_before(number)
 
     def _clicks_before(self, number: int) -> tuple[Clicks, int]:
         """Return the clicks being made, or else those of an object or proposal, and the number of an object."""
@@ -535,8 +540,8 @@ class ObjectSelection(QObject):
         )
         pointed, stepped = None, None
         if self._pointed is not None and self.answered and not (self._waiting or self._was_running):
-            before, number = self._clicks_to_extend(self._pointed)
-            pointed = self._get_selector(partition, number), before, self._pointed
+            before, number = self._clicks_to_extend(*self._pointed)
+            pointed = self._get_selector(partition, number), before, self._pointed[0]
         if self._steps:
             before, number = self._stepped_clicks
             stepped = self._get_selector(partition, number), before, self._steps

@@ -264,7 +264,7 @@ _SAMPLED_PIXELS = 100
 """Approximate number of pixels of a selection that are compared with objects."""
 
 _SEEN_OBJECT_IOU = 0.5
-"""Overlap (intersection over union) below which two answers to the same clicks are different objects."""
+"""Overlap (intersection over union) below which two objects at the same place are different ones."""
 
 _MAX_KEPT_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
@@ -349,11 +349,27 @@ class Selector:
                 and made.region.compute_iou(seen.region) < _SEEN_OBJECT_IOU
             ):
                 made = seen
+            made = self._find_another(clicks, made)
         if isinstance(self.partition, VolumePartition):
             known = (one for one in list(self.known.values()) if one is not None and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
             _ = made.surface, made.contains(inside)  # cached on this thread, not on the window's
         return made
+
+    def _find_another(self, clicks: Clicks, made: Selection) -> Selection:
+        """Find the likeliest other object where a first click has made one that is there; else return what it made."""
+        places = np.array(clicks[0].places)
+        others = (item.region for item in self.items if item.number != self.edited)
+        there = [one for one in others if one.encloses(places).mean() > 0.5] if len(clicks) == 1 else []
+
+        def is_there(found: Selection) -> bool:
+            return any(found.region.compute_iou(one) >= _SEEN_OBJECT_IOU for one in there)
+
+        if not is_there(made):
+            return made
+        found = self.partition.find_candidates(places, **self._other_arguments(clicks))
+        new = (each for each in found if not is_there(each))
+        return max(new, key=lambda each: each.confidence, default=made)
 
     def propose(self, clicks: Clicks) -> tuple[Proposal, ...]:
         """Return the object that clicks select, and then what is offered elsewhere."""

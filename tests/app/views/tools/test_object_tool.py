@@ -585,6 +585,15 @@ def test_a_click_with_control_in_an_object_selects_another_one_there(window, han
     assert [item.number for item in accepted_items(window)] == [1, 2]
 
 
+def test_a_click_with_control_in_the_only_proposal_does_not_correct_it(window, hand, objects) -> None:
+    click(hand, *LARGE[0])
+    take(hand)
+    run_everywhere(hand, count=1)
+    click(hand, 19, 19, CONTROL)
+    (only,) = window.session.document.objects.clicks
+    assert only.places[0] == pytest.approx((19.0, 19.0), abs=1.0)
+
+
 @pytest.fixture
 def part(window):
     """An accepted object over a part of the large disk."""
