@@ -429,7 +429,7 @@ class StackPages(QObject):
 
         def write_stack(_: BackgroundTask) -> Report:
             export_stack(result, *paths)
-            return FilesExported(path, tr("{count} files", count=len(paths)) if len(paths) > 1 else "")
+            return FilesExported(path, files=len(paths))
 
         self._session.tasks.start_task(
             tr("Writing {name}…", name=path.name), write_stack, tr("writing {name}", name=path.name)

@@ -103,7 +103,7 @@ def test_all_pages_are_written_in_several_formats_at_once(stack, hand, tmp_path)
     run_all(stack, hand)
     labels, table = export(hand.qtbot, stack, tmp_path, "pages:.tif", "pages:.measures.csv")
     assert (labels.name, table.name) == ("cells_pages.tif", "cells_pages.measures.csv")
-    hand.wait(lambda: "cells_pages.tif (2 files)" in stack.canvas_area.messages.text)
+    hand.wait(lambda: stack.canvas_area.messages.text == f"2 files written: {labels}")
     assert (tifffile.imread(labels)[0] > 0).sum() == pytest.approx(np.pi * 81.0, rel=0.1)
     assert table.read_text().startswith("page,track,")
 
@@ -123,6 +123,10 @@ def test_all_pages_are_written_only_if_asked_and_the_message_names_all_that_was_
     export(hand.qtbot, stack, tmp_path / "again", "contours:.svg")
     hand.wait(lambda: "again" in stack.canvas_area.messages.text)
     assert pages.name not in stack.canvas_area.messages.text
+    (tmp_path / "three").mkdir()
+    export(hand.qtbot, stack, tmp_path / "three", "pages:.tif", "pages:.measures.csv", "contours:.svg")
+    hand.wait(lambda: stack.canvas_area.messages.text.startswith("3 files written: "))
+    assert len(list((tmp_path / "three").iterdir())) == 3
 
 
 def test_export_all_pages_checks_files_of_all_pages_alone(stack, hand) -> None:
