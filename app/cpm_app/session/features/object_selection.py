@@ -631,8 +631,9 @@ class ObjectSelection(QObject):
         new = (each for each in clicks if each not in known)
         stepped = self._stepped_clicks[0][-1:] if self._steps else ()
         later = (each.click for each in self._waiting if each.click is not None)
-        before = self._session.scene.objects.awaited
-        self._update_shown_objects(awaited=(*new, *stepped, *later))
+        before, awaited = self._session.scene.objects.awaited, (*new, *stepped, *later)
+        marks = {"preview": None} if awaited else {}  # it may be of another place: what waits is marked where it is
+        self._update_shown_objects(awaited=awaited, **marks)
         if self._session.scene.objects.awaited != before:
             self.changed.emit()
 

@@ -603,6 +603,23 @@ def part(window):
     return item.region.paste((64, 64))
 
 
+def test_a_click_that_waits_is_marked_at_its_place_alone_and_not_by_what_another_place_would_change(
+    window, hand, objects, layer, monkeypatch
+) -> None:
+    click(hand, 43, 42)
+    hand.canvas.dispatcher.set_modifiers(SHIFT)
+    hand.canvas.move_pointer_to((43.0, 42.0))  # where all of the object would go
+    hand.wait(lambda: layer.removed.count == 1)
+    answer, select = threading.Event(), Partition.select
+    monkeypatch.setattr(Partition, "select", lambda *given, **more: (answer.wait(60), select(*given, **more))[1])
+    for act in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
+        act(hand.canvas.viewport(), Qt.MouseButton.LeftButton, SHIFT, hand.at(36.0, 36.0))
+    assert layer.awaited.isVisible()
+    assert not layer.removed.count
+    answer.set()
+    hand.wait(lambda: objects.idle and not layer.awaited.isVisible())
+
+
 def test_answers_stay_out_of_accepted_objects_unless_objects_may_overlap(window, hand, objects, part) -> None:
     click(hand, 43, 48)
     assert not (offered(objects) & part).any()
@@ -921,6 +938,12 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
         assert len(accepted_items(window)) == left
     hand.qtbot.wait(20)
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+
+
+def test_the_key_for_all_like_an_object_says_what_to_do_where_none_is_selected(window, hand, objects) -> None:
+    hand.key(KEY.Key_L, CONTROL)
+    assert window.canvas_area.messages.text == "Select one accepted object with an area: all like it are proposed."
+    assert objects.idle
 
 
 def test_enter_after_more_steps_than_there_are_candidates_accepts_the_last_one(window, hand, objects) -> None:
