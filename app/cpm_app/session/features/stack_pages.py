@@ -243,7 +243,10 @@ class StackPages(QObject):
     def _open_wanted_page(self) -> None:
         """Keep the state of the open page, and open the requested one."""
         self._turning = False
-        if not self.count or self.wanted_page == self.number:
+        if not self.count:
+            return
+        if self.wanted_page == self.number:
+            self._opening.cancel()  # of a page that has been left before it was open
             return
         here = self._kept[self.number] = self._describe_open_page()
         self._begin_page(

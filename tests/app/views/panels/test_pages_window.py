@@ -14,6 +14,7 @@ from cpm_app.model.document import edits
 from cpm_app.model.document.saving import describe_changes
 from cpm_app.session.features import kept_pages
 from cpm_app.session.features.kept_pages import KeptPage
+from cpm_app.session.tasks import opening
 from cpm_app.views.features.exchange import ExportFeature
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import PagesFeature
@@ -377,6 +378,26 @@ def test_enter_that_waits_on_a_page_acts_after_the_run_of_all_pages_has_come_to_
     settled(stack, hand)
     hand.wait(lambda: not selection.has_waiting_keys)
     assert len(session.document.objects.items) == 1
+
+
+def test_going_back_while_a_page_is_opened_shows_the_page_that_was_gone_back_to(stack, hand, monkeypatch) -> None:
+    may_open, prepare, pages, asked_for = threading.Event(), opening.prepare_image, stack.workspace.pages, []
+
+    def prepare_late(*given):
+        asked_for.append(given)
+        may_open.wait(60)
+        return prepare(*given)
+
+    monkeypatch.setattr(opening, "prepare_image", prepare_late)
+    hand.key(Qt.Key.Key_PageDown)
+    hand.wait(lambda: bool(asked_for))
+    hand.key(Qt.Key.Key_PageUp)
+    hand.qtbot.wait(50)
+    may_open.set()
+    hand.wait(lambda: pages.wanted_page == pages.number == 1 and not pages.is_turning and stack.session.idle)
+    settled(stack, hand)
+    assert (pages.wanted_page, pages.number, pages.is_turning) == (1, 1, False)
+    np.testing.assert_array_equal(stack.session.image.values, shifted(0))
 
 
 def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(stack, hand) -> None:
