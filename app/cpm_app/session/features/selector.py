@@ -257,7 +257,7 @@ MAX_OFFERED_PIXELS = 1 << 23
 _MUCH_LARGER = 2.0
 """Ratio of sizes from which one object may lie in another, as a nucleus in a cell."""
 
-_SURROUNDINGS_RATIO = 0.3
+_NESTING_MARGIN = 0.3
 """Width of the surroundings of an object that may lie in another, as a fraction of its radius."""
 
 _SAMPLED_PIXELS = 100
@@ -524,7 +524,7 @@ def find_limits(example: SegmentedObject, items: Iterable[SegmentedObject]) -> l
 
 def _lies_within(region: Region, other: Region) -> bool:
     """Tell whether a region lies in another with most of its surroundings."""
-    width = math.ceil(_SURROUNDINGS_RATIO * measure_radius(region.mask, np.ones(region.ndim)))
+    width = math.ceil(_NESTING_MARGIN * measure_radius(region.mask, np.ones(region.ndim)))
     away = scipy.ndimage.distance_transform_edt(~np.pad(region.mask, width))
     around = _sample_pixels((away > 0.0) & (away <= width), np.array(region.origin) - width)
     return bool(other.encloses(around).mean() >= 0.5)
