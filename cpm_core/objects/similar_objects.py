@@ -9,7 +9,7 @@ import scipy
 
 from cpm_core.image.region import Region
 from cpm_core.numerics.grids import expand_window, find_label_boxes, find_largest_part, first_pixel
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.objects.all_objects import build_proposal
 from cpm_core.objects.boundaries.background import measure_edge_steps
 from cpm_core.objects.boundaries.necks import split_at_necks
@@ -34,12 +34,19 @@ _MIN_RELATIVE_STRENGTH = 0.3
 """Least boundary strength of similar objects, as a fraction of the selected one's."""
 
 
-def find_similar_objects(partition: Partition | VolumePartition, chosen: Selection) -> Iterator[Selection]:
+_MIN_FREE_SHARE = 0.5
+"""Least share of an object that is not excluded: less is a remainder of what is known."""
+
+
+def find_similar_objects(
+    partition: Partition | VolumePartition, chosen: Selection, excluded: Mask | None = None
+) -> Iterator[Selection]:
     """Find the objects similar to a selected one, from the top left to the bottom right.
 
     Their gray level differs from the surroundings of the selected object in the same direction, and their size and the
     strength of their boundary are similar. Where two bodies touch, they are split at the neck between them. Objects
-    that the border of the image cuts are closed along it, and may be smaller.
+    that the border of the image cuts are closed along it, and may be smaller. Pixels that are `excluded`, an array in
+    the shape of the image, belong to none of them, and what lies mostly in these is left out.
     """
     mask, area = chosen.mask, chosen.region.count
     if not area:
@@ -47,10 +54,13 @@ def find_similar_objects(partition: Partition | VolumePartition, chosen: Selecti
     sides = partition.voxel_sides if isinstance(partition, VolumePartition) else np.ones(2)
     similar = find_similar_pixels(partition.values, mask, partition.interest, sides)
     parts = split_at_necks(similar, measure_radius(mask, sides), sides)
-    parts[mask] = 0
+    taken = mask if excluded is None else mask | excluded
     limit, strength = np.array(partition.shape) - 1, _measure_boundary_strength(partition, chosen)
     for number, box in find_label_boxes(parts):
-        body = parts[box] == number
+        whole = parts[box] == number
+        body = whole & ~taken[box]
+        if np.count_nonzero(body) < _MIN_FREE_SHARE * np.count_nonzero(whole):
+            continue
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
         if (_MIN_TRUNCATED_SIZE if cut else _SIZE_RANGE[0]) * area <= np.count_nonzero(body) <= _SIZE_RANGE[1] * area:
             other = _build_object(partition, Region.from_mask(find_largest_part(body), first_pixel(box)))

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from operator import add
 from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Signal, SignalInstance
@@ -112,7 +113,7 @@ class SceneStore(QObject):
         """Number of the current run; snapshots and reports of other runs are not shown."""
         self.image_generation = 0
         """Number under which the image was opened."""
-        self._written: tuple[str, ...] = ()
+        self._written: tuple[FilesExported, ...] = ()
         """What has been written since an export was last requested."""
         messages.cleared.connect(self._on_messages_cleared)
         self._status_change, self._drawing = _Deferrable(self.status_changed), _Deferrable(self.drawing_wanted)
@@ -283,10 +284,13 @@ class SceneStore(QObject):
                     self._messages.show(sentence, True, EDITING_CATEGORY)
                 if generation == self.image_generation:
                     self._update_scene(image_seeds=image_seeds)
-            case FilesExported(path, counts):
-                name = path.name if self._written else str(path)
-                self._written = (*self._written, f"{name} ({counts})" if counts else name)
-                written = tr("Written: {path}", path="; ".join(self._written))
+            case FilesExported():
+                self._written = (*self._written, report)
+                names = [str(self._written[0].path), *(each.path.name for each in self._written[1:])]
+                contents = (f" ({each.counts})" if each.counts else "" for each in self._written)
+                path, count = "; ".join(map(add, names, contents)), sum(each.files for each in self._written)
+                several = tr("{count} files written: {path}", count=count, path=path)
+                written = several if count > 1 else tr("Written: {path}", path=path)
                 self._messages.show(written, category=EXPORTING_CATEGORY)
             case CommandFailed(sentence, topic):
                 self._messages.show(sentence, True, topic)

@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cpm_app.session.features.selector import Selector
+import scipy
+from cpm_app.model.document.objects import object_from_selection
+from cpm_app.session.features.selector import Selector, is_covered
 from cpm_app.session.scene import Proposal
 
 from cpm_core import Partition, VolumePartition, example, partition
@@ -48,3 +50,28 @@ def test_an_answer_that_was_seen_gives_way_to_another_object_only_if_that_is_lik
     seen = other if is_sure else replace(other, confidence=0.1)
     found = Selector(there, (), shown={clicks: seen}).selection_for(clicks)
     assert found.contains(np.array([(32.0, 46.0)])).all() == is_sure
+
+
+def test_bodies_of_an_accepted_object_are_covered_but_not_a_nucleus_in_it_nor_parts_of_what_may_be_wrong() -> None:
+    row, col = np.indices((60, 90))
+    small, large = np.hypot(row - 30, col - 62) < 11, np.hypot(row - 30, col - 32) < 20
+    whole = SegmentedObject(1, (), Region.from_mask(small | large))
+    body, nucleus = Region.from_mask(small & ~large), Region.from_mask(np.hypot(row - 30, col - 32) < 8)
+    assert is_covered(body, [whole])
+    assert not is_covered(nucleus, [whole])
+    assert not is_covered(body, [], [whole])
+    assert is_covered(whole.region, [], [whole])
+
+
+def test_a_first_click_in_an_object_selects_another_one_there() -> None:
+    row, col = np.indices((120, 120))
+    cell, nucleus = np.hypot(row - 60, col - 60) < 38, np.hypot(row - 64, col - 55) < 13
+    levels = scipy.ndimage.gaussian_filter(30.0 + 80.0 * cell + 20.0 * nucleus, 1.2)
+    there = partition(levels + np.random.default_rng(5).normal(0.0, 4.0, cell.shape))
+    clicks = (Click(((64.0, 55.0),)),)
+    whole = Selector(there, ()).selection_for(clicks)
+    item = object_from_selection(whole, clicks, 1, 1)
+    other = Selector(there, (item,)).selection_for(clicks)
+    assert whole.region.compute_iou(Region.from_mask(cell)) > 0.9
+    assert other.region.compute_iou(Region.from_mask(nucleus)) > 0.8
+    np.testing.assert_array_equal(Selector(there, (item,), edited=1).selection_for(clicks).mask, whole.mask)

@@ -5,17 +5,18 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
 
-pytest.importorskip("zarr", reason="the extra `scale` is not installed")
-pytest.importorskip("distributed", reason="the extra `scale` is not installed")
-
 from cpm_core.cli.workers import connect_to_dask, map_until_finished
 from cpm_core.formats.images.ome_zarr import create_multiscale, open_multiscale, write_window
 
-pytestmark = pytest.mark.long
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(find_spec("distributed") is None, reason="the extra `scale` is not installed"),
+]
 
 
 def test_a_killed_worker_costs_what_it_was_doing_and_no_more(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy
-from skimage.filters import sato
+import skimage
 
 from cpm_core import PRESETS, Parameters, segment, uniform_grid
 from cpm_core.image import vesselness as vesselness_module
@@ -23,7 +23,7 @@ def test_it_agrees_with_the_filter_of_scikit_image(monkeypatch):
     values = scipy.ndimage.gaussian_filter(np.random.default_rng(1).normal(0.0, 50.0, (70, 80)), 2.0)
     monkeypatch.setattr(vesselness_module, "_SIGMA_EXPONENT", 2.0)
     for black, found in zip((True, False), filter_lines(values), strict=True):
-        peer = sato(values, (1.0, 2.0, 4.0), black_ridges=black, mode="nearest")[INNER]
+        peer = skimage.filters.sato(values, (1.0, 2.0, 4.0), black_ridges=black, mode="nearest")[INNER]
         assert np.abs(found.curvature[INNER] - peer).max() < 0.05 * peer.max()
 
 

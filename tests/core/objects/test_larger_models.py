@@ -1,6 +1,7 @@
 """Larger models answer the prompts that the network answers, as candidates with confidence within the same limits."""
 
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,9 @@ from cpm_core.formats.common.provenance import describe_provenance
 from cpm_core.numerics.grids import true_bounds
 from cpm_core.objects import Partition, compute_iou
 from cpm_core.objects.prior.larger_models import check_model, encode_image, is_fetched
+from tests.core.objects import onnx_models
 
-osam = pytest.importorskip("osam")
-onnx_models = pytest.importorskip("tests.core.objects.onnx_models")
+pytestmark = pytest.mark.skipif(find_spec("osam") is None, reason="the extra `sam` is not installed")
 
 ROWS, COLS = np.indices((150, 200))
 RING = (np.hypot(ROWS - 60, COLS - 120) < 40) & (np.hypot(ROWS - 60, COLS - 120) > 12)
@@ -116,7 +117,7 @@ def pull_small_files(kind, progress, cancel) -> None:
 
 
 def test_weights_are_fetched_on_request_alone(home, monkeypatch) -> None:
-    kind, shares = osam.apis.get_model_type_by_name("sam2:tiny"), []
+    kind, shares = pytest.importorskip("osam").apis.get_model_type_by_name("sam2:tiny"), []
     with pytest.raises(ValueError, match="is not on this computer: fetch it once by cpm model sam2:tiny"):
         cpm.select(VALUES, [(60, 150)], model="sam2:tiny")
     monkeypatch.setattr(kind, "pull", classmethod(pull_small_files))

@@ -15,6 +15,7 @@ from cpm_core.numerics import polyline
 from cpm_core.objects.boundaries.necks import split_at_necks
 from cpm_core.objects.partition import partition_without_run
 from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction
+from cpm_core.objects.similar_objects import find_similar_objects
 
 from ..scenes import antialiased, disk, ring
 
@@ -317,6 +318,18 @@ def test_all_like_this_finds_the_others_and_parts_those_that_touch():
         true = within(*center, 11.0)
         assert max(overlap(other.mask, true) for other in found) > 0.85
     assert np.sum([other.mask for other in found], axis=0).max() == 1
+
+
+def test_what_lies_mostly_in_excluded_pixels_is_not_like_this_and_the_rest_is_rated_without_them():
+    pair, half = within(60, 70, 11.0) | within(60, 89, 9.0), within(60, 23, 11.0)
+    single, row = within(20, 20, 11.0), np.indices((128, 128))[0]
+    there = partition(30.0 + 110.0 * ndi.gaussian_filter((pair | half | single).astype(float), 1.0))
+    example, thinner = there.select([(20, 20)]), ndi.binary_erosion(pair, iterations=2)
+    (other,) = find_similar_objects(there, example, thinner)
+    assert overlap(other.mask, half) > 0.9
+    (rest,) = find_similar_objects(there, example, pair | (half & (row > 63)))
+    assert overlap(rest.mask, half & (row <= 63)) > 0.9
+    assert rest.confidence < other.confidence
 
 
 def test_outlines_of_all_like_this_are_as_smooth_in_noise_as_that_of_a_click():

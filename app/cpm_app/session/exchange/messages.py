@@ -245,10 +245,11 @@ class SeedsFound(Report):
 
 @frozen
 class FilesExported(Report):
-    """A file has been written, or several of which it is the first; `counts` says how much they contain."""
+    """Some files have been written, of which `path` is the first; `counts` says how much they contain."""
 
     path: Path
     counts: str = ""
+    files: int = 1
 
 
 @frozen

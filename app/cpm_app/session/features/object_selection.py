@@ -27,21 +27,24 @@ from cpm_app.session.features.selector import (
     PartitionSource,
     PartitionUpdater,
     Selector,
+    find_limits,
     find_proposals,
     is_covered,
+    is_offered,
 )
 from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
 from cpm_app.session.session_messages import EDITING_CATEGORY, RUNNING_CATEGORY
 from cpm_app.session.tasks.tasks import ENDED_TASK, BackgroundTask
-from cpm_core import Partition, Result, Selection, select_all
+from cpm_core import Partition, Result, Selection
 from cpm_core.numerics import Place
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.confidence import whole_percent
-from cpm_core.objects.segmented import Click, selection_from_object
+from cpm_core.objects.segmented import Click, selection_from_object, unite_regions
 from cpm_core.objects.segmented.segmented_object import Clicks
+from cpm_core.objects.similar_objects import find_similar_objects
 
 Made = TypeVar("Made")
 
@@ -82,7 +85,8 @@ class ObjectSelection(QObject):
         self._session, self._list, self._commands = session, object_list, commands
         self._pages, self._followed_objects = pages, followed_objects
         self._in_use, self._run_ended, self._was_running = False, False, False
-        self._pointed: Click | None = None
+        self._pointed: tuple[Click, bool] | None = None
+        """The click to preview, and whether it is for another object than what is proposed."""
         self._steps = 0
         self._waiting: deque[WaitingAction] = deque()
         self._answered: tuple[Selector, Clicks] | None = None
@@ -206,17 +210,17 @@ class ObjectSelection(QObject):
 
     # Clicks
 
-    def preview_click(self, at: Place | None, inside: bool = True) -> None:
-        """Preview the effect of a click at a place; None for no place."""
-        self._pointed = Click((at,), inside) if at is not None else None
+    def preview_click(self, at: Place | None, inside: bool = True, another: bool = False) -> None:
+        """Preview the effect of a click at a place, perhaps for another object there; None for no place."""
+        self._pointed = (Click((at,), inside), another) if at is not None else None
         if at is None:
             self._update_shown_objects(preview=None)
         self._request_answer()
 
-    def add_click(self, click: Click) -> None:
-        """Add a click: positive points of the object, or negative ones."""
+    def add_click(self, click: Click, another: bool = False) -> None:
+        """Add a click: positive points of the object, or of `another` than what is proposed, or negative ones."""
         self._remark = ""
-        clicks, number = self._clicks_to_extend(click)
+        clicks, number = self._clicks_to_extend(click, another)
         self._set_clicks(tr("select") if click.inside else tr("remove from selection"), (*clicks, click), number)
 
     def correct_object(self, number: int) -> None:
@@ -317,12 +321,18 @@ class ObjectSelection(QObject):
             self.partition_updater.update_partition(again=True)
             self._session.messages.show(tr("The image is still being prepared: try again in a moment."))
             return
-        example, offered, there = known[number], self.proposals, (*known.items, *known.dismissed)
+        example, offered = known[number], self.proposals
 
         def find_new(task: BackgroundTask) -> list[Selection]:
-            found = select_all(partition, [selection_from_object(example, partition.shape)])[1:]
-            seen = (each.proposed_object for each in offered if each.selection.has_boundary)
-            return [each for each in found if each.has_boundary and not is_covered(each.region, (*there, *seen))]
+            taken = unite_regions(find_limits(example, known.items), partition.shape)
+            found = find_similar_objects(partition, selection_from_object(example, partition.shape), taken)
+            return [
+                each
+                for each in found
+                if each.has_boundary
+                and not is_covered(each.region, known.items, known.dismissed)
+                and not is_offered(each, offered)
+            ]
 
         def offer(new: Sequence[Selection]) -> None:
             if partition.image is not self._session.image:
@@ -383,12 +393,16 @@ class ObjectSelection(QObject):
         alone = len(self.proposals) == 1 and self.proposals[0].followed_object is None
         return self.proposals[0].key if alone else 0
 
-    def _clicks_to_extend(self, click: Click) -> tuple[Clicks, int]:
-        """Return the clicks that one continues, and the number of their object; none that have found nothing."""
+    def _clicks_to_extend(self, click: Click, another: bool) -> tuple[Clicks, int]:
+        """Return the clicks that one continues, and the number of their object; none that have found nothing.
+
+        One for `another` object continues only those of the object being selected.
+        """
         found_nothing = self.selecting and self.answered and not any(
             each.selection.has_boundary for each in self.proposals if not each.key
         )  # fmt: skip
-        return ((), 0) if found_nothing else self._clicks_before(self._number_to_correct(click))
+        number = 0 if another and click.inside else self._number_to_correct(click)
+        return ((), 0) if found_nothing else self._clicks_before(number)
 
     def _clicks_before(self, number: int) -> tuple[Clicks, int]:
         """Return the clicks being made, or else those of an object or proposal, and the number of an object."""
@@ -406,8 +420,7 @@ class ObjectSelection(QObject):
 
     def _offer(self, found: Sequence[Proposal], alike: Sequence[Proposal], covered: Sequence[Proposal]) -> None:
         """Offer what was found, then the objects like one that are not among it, then what is covered, with keys."""
-        known = [each.proposed_object for each in (*found, *covered) if alike and each.selection.has_boundary]
-        apart = [each for each in alike if not is_covered(each.selection.region, known)]
+        apart = [each for each in alike if not is_offered(each.selection, (*found, *covered))]
         numbered = (
             each if each.key == ~at else replace(each, key=~at) for at, each in enumerate((*found, *apart, *covered))
         )
@@ -461,10 +474,9 @@ class ObjectSelection(QObject):
             self._searched, self._found, self._covered, self._is_searched = partition, (), (), False
             self._finding.cancel()
             found, known = partial(self._on_objects_found, partition), self._session.document.objects
-            there = (*known.items, *known.dismissed)
 
             def find_and_compare(task: BackgroundTask) -> list[tuple[Proposal, bool]]:
-                return [(each, is_covered(each.selection.region, there)) for each in find(task)]
+                return [(each, is_covered(each.selection.region, known.items, known.dismissed)) for each in find(task)]
 
             self._finding = self._start_finding(name, find_and_compare, found)
 
@@ -528,8 +540,8 @@ class ObjectSelection(QObject):
         )
         pointed, stepped = None, None
         if self._pointed is not None and self.answered and not (self._waiting or self._was_running):
-            before, number = self._clicks_to_extend(self._pointed)
-            pointed = self._get_selector(partition, number), before, self._pointed
+            before, number = self._clicks_to_extend(*self._pointed)
+            pointed = self._get_selector(partition, number), before, self._pointed[0]
         if self._steps:
             before, number = self._stepped_clicks
             stepped = self._get_selector(partition, number), before, self._steps
@@ -619,8 +631,9 @@ class ObjectSelection(QObject):
         new = (each for each in clicks if each not in known)
         stepped = self._stepped_clicks[0][-1:] if self._steps else ()
         later = (each.click for each in self._waiting if each.click is not None)
-        before = self._session.scene.objects.awaited
-        self._update_shown_objects(awaited=(*new, *stepped, *later))
+        before, awaited = self._session.scene.objects.awaited, (*new, *stepped, *later)
+        marks = {"preview": None} if awaited else {}  # it may be of another place: what waits is marked where it is
+        self._update_shown_objects(awaited=awaited, **marks)
         if self._session.scene.objects.awaited != before:
             self.changed.emit()
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import cached_property, lru_cache
 from typing import cast
 
 import numpy as np
+import scipy
+from numpy.typing import ArrayLike
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.model.document.document import Document, Mode
@@ -36,8 +38,9 @@ from cpm_core.formats.stack_files import paint_tracks
 from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.image.region import Region
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import JsonDict, Mask, frozen
+from cpm_core.numerics.types import Array, JsonDict, Mask, frozen
 from cpm_core.objects import partition_without_run
+from cpm_core.objects.boundaries.similar_pixels import measure_radius
 from cpm_core.objects.segmented import (
     Click,
     SegmentedObject,
@@ -252,13 +255,16 @@ MAX_OFFERED_PIXELS = 1 << 23
 """Number of pixels up to which a run from everywhere is started and objects are offered without a request."""
 
 _MUCH_LARGER = 2.0
-"""Ratio of sizes from which two objects do not count as the same."""
+"""Ratio of sizes from which one object may lie in another, as a nucleus in a cell."""
+
+_NESTING_MARGIN = 0.3
+"""Width of the surroundings of an object that may lie in another, as a fraction of its radius."""
 
 _SAMPLED_PIXELS = 100
 """Approximate number of pixels of a selection that are compared with objects."""
 
 _SEEN_OBJECT_IOU = 0.5
-"""Overlap (intersection over union) below which two answers to the same clicks are different objects."""
+"""Overlap (intersection over union) below which two objects at the same place are different ones."""
 
 _MAX_KEPT_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
@@ -343,11 +349,27 @@ class Selector:
                 and made.region.compute_iou(seen.region) < _SEEN_OBJECT_IOU
             ):
                 made = seen
+            made = self._find_another(clicks, made)
         if isinstance(self.partition, VolumePartition):
             known = (one for one in list(self.known.values()) if one is not None and one.has_same_region(made))
             made = next((one for one in known if one.remark == made.remark), made)
             _ = made.surface, made.contains(inside)  # cached on this thread, not on the window's
         return made
+
+    def _find_another(self, clicks: Clicks, made: Selection) -> Selection:
+        """Find the likeliest other object where a first click has made one that is there; else return what it made."""
+        places = np.array(clicks[0].places)
+        others = (item.region for item in self.items if item.number != self.edited)
+        there = [one for one in others if one.encloses(places).mean() > 0.5] if len(clicks) == 1 else []
+
+        def is_there(found: Selection) -> bool:
+            return any(found.region.compute_iou(one) >= _SEEN_OBJECT_IOU for one in there)
+
+        if not is_there(made):
+            return made
+        found = self.partition.find_candidates(places, **self._other_arguments(clicks))
+        new = (each for each in found if not is_there(each))
+        return max(new, key=lambda each: each.confidence, default=made)
 
     def propose(self, clicks: Clicks) -> tuple[Proposal, ...]:
         """Return the object that clicks select, and then what is offered elsewhere."""
@@ -430,8 +452,9 @@ class Selector:
     @cached_property
     def proposals(self) -> tuple[Proposal, ...]:
         """The offered objects, except for rejected ones, those that exist, and parts of merged or corrected ones."""
-        known = (*self.items, *self._rejected)
-        new = {each.clicks for each in self.offered if not is_covered(each.selection.region, known)}
+        new = {
+            each.clicks for each in self.offered if not is_covered(each.selection.region, self.items, self._rejected)
+        }
         joined = [frozenset(item.clicks) for item in self.items]
         return tuple(
             each
@@ -467,13 +490,47 @@ def _find_tracks(found: Sequence[Selection], on_page: Result) -> list[int]:
     return numbers
 
 
-def is_covered(region: Region, items: Sequence[SegmentedObject]) -> bool:
-    """Tell whether objects, not counting much larger ones, cover half of a region or more."""
-    pixels, most = np.argwhere(region.mask) + region.origin, _MUCH_LARGER * region.count
-    places = pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)].astype(float)
+def is_covered(region: Region, items: Iterable[SegmentedObject], doubted: Iterable[SegmentedObject] = ()) -> bool:
+    """Tell whether objects cover half of a region or more.
+
+    One in which the region lies with its surroundings, as a nucleus in a cell, does not count. Nor does a much larger
+    one that is `doubted`, as it may be wrong.
+    """
+    places = _sample_pixels(region.mask, region.origin)
     if not len(places):
         return False
-    low, high = places.min(axis=0), places.max(axis=0)
-    others = (item.region for item in items if 0.0 < item.region.size < most)
-    near = [one for one in others if (one.bounds[0] <= high).all() and (one.bounds[1] >= low).all()]
-    return bool(near) and bool(np.any([one.encloses(places) for one in near], axis=0).mean() >= 0.5)
+    low, high, large = places.min(axis=0), places.max(axis=0), _MUCH_LARGER * region.count
+    known = [item.region for item in items]
+    others = (*known, *(item.region for item in doubted if item.region.size < large))
+    near = (one for one in others if one.size > 0.0 and (one.bounds[0] <= high).all() and (one.bounds[1] >= low).all())
+    covered = [one.encloses(places) for one in near if one.size < large or not _lies_within(region, one)]
+    return bool(covered) and bool(np.any(covered, axis=0).mean() >= 0.5)
+
+
+def is_offered(selection: Selection, offered: Iterable[Proposal]) -> bool:
+    """Tell whether proposals cover half of a selection or more, not counting much larger ones that are less likely."""
+    known = [each for each in offered if each.selection.has_boundary]
+    better = [each.proposed_object for each in known if each.selection.confidence >= selection.confidence]
+    return is_covered(selection.region, better, (each.proposed_object for each in known))
+
+
+def find_limits(example: SegmentedObject, items: Iterable[SegmentedObject]) -> list[Region]:
+    """Find the objects that others like one leave alone: all, but where it lies in a larger one only the small ones."""
+    regions, large = [item.region for item in items], _MUCH_LARGER * example.region.size
+    if any(one.size >= large and _lies_within(example.region, one) for one in regions):
+        return [one for one in regions if one.size < large]
+    return regions
+
+
+def _lies_within(region: Region, other: Region) -> bool:
+    """Tell whether a region lies in another with most of its surroundings."""
+    width = math.ceil(_NESTING_MARGIN * measure_radius(region.mask, np.ones(region.ndim)))
+    away = scipy.ndimage.distance_transform_edt(~np.pad(region.mask, width))
+    around = _sample_pixels((away > 0.0) & (away <= width), np.array(region.origin) - width)
+    return bool(other.encloses(around).mean() >= 0.5)
+
+
+def _sample_pixels(mask: Mask, origin: ArrayLike) -> Array:
+    """Return the places of some of the pixels of a mask whose first pixel lies at `origin`."""
+    pixels = np.argwhere(mask)
+    return (pixels[:: max(len(pixels) // _SAMPLED_PIXELS, 1)] + np.asarray(origin)).astype(float)

@@ -158,9 +158,8 @@ class StackPages(QObject):
 
     @property
     def is_turning(self) -> bool:
-        """Whether the requested page is being opened; false if that has failed or was canceled."""
-        opening = self._opening is not ENDED_TASK and not self._opening.is_cancelled
-        return self._turning or (opening and self.wanted_page != self.number)
+        """Whether a page is being opened, or the open one again; false if that has failed or was canceled."""
+        return self._turning or (self._opening is not ENDED_TASK and not self._opening.is_cancelled)
 
     @property
     def has_images(self) -> bool:
@@ -189,7 +188,7 @@ class StackPages(QObject):
                 return bool(page.contours)
             tracks = paint_tracks(page.result, page.result.shape)
             found = (Region.from_mask(tracks == one) for one in np.unique(tracks[tracks > 0]))
-            return any(not is_covered(one, known.dismissed) for one in found)
+            return any(not is_covered(one, (), known.dismissed) for one in found)
 
         return any(offers(*each) for each in self._proposed.items())
 
@@ -244,7 +243,10 @@ class StackPages(QObject):
     def _open_wanted_page(self) -> None:
         """Keep the state of the open page, and open the requested one."""
         self._turning = False
-        if not self.count or self.wanted_page == self.number:
+        if not self.count:
+            return
+        if self.wanted_page == self.number:
+            self._opening.cancel()  # of a page that has been left before it was open
             return
         here = self._kept[self.number] = self._describe_open_page()
         self._begin_page(
@@ -296,6 +298,8 @@ class StackPages(QObject):
         if opened.saved is not None and opened.saved.is_other_page:
             # another page may be requested by now: the state of this one is kept until `_open_wanted_page` leaves it
             self.number = self.source.page_number(opened.reading)
+            if self.number == self.wanted_page:
+                self._opening = ENDED_TASK
             page = self._kept.get(self.number)
             if page is not None:
                 self._given_starts = page.given_starts
@@ -428,7 +432,7 @@ class StackPages(QObject):
 
         def write_stack(_: BackgroundTask) -> Report:
             export_stack(result, *paths)
-            return FilesExported(path, tr("{count} files", count=len(paths)) if len(paths) > 1 else "")
+            return FilesExported(path, files=len(paths))
 
         self._session.tasks.start_task(
             tr("Writing {name}…", name=path.name), write_stack, tr("writing {name}", name=path.name)

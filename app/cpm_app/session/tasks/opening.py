@@ -165,8 +165,8 @@ def prepare_image(request: OpenRequest, check_cancelled: Callback) -> ImageOpene
     asked = request.as_volume if named is None or not named.shape else len(named.shape) == 3
     # that only the first channel is taken would be no true note on a composite of all of them
     chosen = replace(reading, channel=reading.channel or 1) if parts is not None and parts.has_composite else reading
-    if parts is not None and saved is not None and saved.is_other_page:
-        chosen = replace(chosen, page=chosen.page or parts.default_page)  # nor of a page that was gone to
+    if parts is not None:  # nor that only one page is, where all can be gone to
+        chosen = replace(chosen, page=chosen.page or parts.default_page)
     image, refused = _read_image(path, chosen, asked, parts, check_cancelled)
     notes = (*refused, *notes)
     check_cancelled()

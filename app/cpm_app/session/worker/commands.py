@@ -204,9 +204,8 @@ def write_files(
                 context.report(WorkFinished(partial(on_encoded, tuple(content for _, content in contents))))
                 return
             write_together(contents)
-            several = tr("{count} files", count=len(contents))
-            text = ", ".join([*([several] * (len(contents) > 1)), *counts.values(), *filter(None, changes)])
-            context.report(FilesExported(order.files[0].path, text))
+            text = ", ".join([*counts.values(), *filter(None, changes)])
+            context.report(FilesExported(order.files[0].path, text, len(dict(contents))))
         finally:
             task.end()
 

@@ -20,6 +20,7 @@ from cpm_app.model.preferences.table import UNIT_PREFERENCE
 from cpm_app.model.state.situation import Situation, has_contours, has_image, has_volume
 from cpm_app.model.text.language import tr
 from cpm_app.session.features.object_rows import ItemKey
+from cpm_app.session.session_messages import EDITING_CATEGORY
 from cpm_app.views.panels.objects import ObjectPanel
 from cpm_app.views.theme.icons import create_swatch, fill_colors
 from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_menu_action
@@ -101,7 +102,7 @@ class ObjectsFeature(Feature):
                        visible_when=has_volume, checked_when=lambda _: brush.paints_in_space),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        partial(selection.do_in_order, self._find_similar, needs_offer=lambda: True), "Ctrl+L",
-                       when=lambda _: self._has_one_with_area or selection.has_waiting_actions),
+                       when=has_image),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the objects again by their own clicks, on the contours of the last run.",
                        lambda: selection.refit_objects(objects.selected_numbers),
@@ -141,15 +142,14 @@ class ObjectsFeature(Feature):
                        when=lambda now: bool(now.document.outlines or now.document.outlined_bodies)),
         )  # fmt: skip
 
-    @property
-    def _has_one_with_area(self) -> bool:
-        """Whether a single object is selected, and it encloses an area."""
-        items = self._object_list.selected_objects
-        return len(items) == 1 and not items[0].line
-
     def _find_similar(self) -> None:
-        if self._has_one_with_area:
-            self._selection.find_similar(self._object_list.selected_objects[0].number)
+        """Find all objects like the selected one, if a single one is selected and encloses an area."""
+        items = self._object_list.selected_objects
+        if len(items) == 1 and not items[0].line:
+            self._selection.find_similar(items[0].number)
+        else:
+            words = tr("Select one accepted object with an area: all like it are proposed.")
+            self.session.messages.show(words, category=EDITING_CATEGORY)
 
     def select_next(self) -> None:
         """Select the row after the selected ones."""

@@ -120,13 +120,14 @@ class ObjectTool(Tool):
         else:
             if not self._selection.selecting:
                 self._list.select_objects(())
-            self._selection.add_click(click)
+            self._selection.add_click(click, another)
 
     def on_hover(self, at: Place) -> None:
         """Preview what a click would select or change."""
         existing = self._find_selectable(at)
         self._list.set_hovered_item(("object" if existing > 0 else "proposal", existing) if existing else None)
-        self._selection.preview_click(None if existing or not self.is_in_image(at) else at, self._is_positive)
+        place = None if existing or not self.is_in_image(at) else at
+        self._selection.preview_click(place, self._is_positive, self._is_for_another)
 
     def resize_by(self, by: float) -> None:
         """Propose the next larger candidate, or the next smaller one."""

@@ -13,6 +13,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from cpm_core import cli
+from cpm_core.cli import workers
 from tests.app.conftest import Hand, disc
 
 pytestmark = pytest.mark.shared_window
@@ -80,7 +81,8 @@ def test_a_folder_gets_the_objects_as_by_the_command_line_in_the_checked_formats
     dialog.reject()
 
 
-def test_the_end_of_a_folder_stays_to_be_read(ready: MainWindow, hand: Hand, folder) -> None:
+def test_the_end_of_a_folder_stays_to_be_read(ready: MainWindow, hand: Hand, folder, monkeypatch) -> None:
+    monkeypatch.setattr(workers, "run_locally", lambda jobs, *_: ((job, workers.run_job(job)) for job in jobs))
     (folder / "broken.png").unlink()
     apply(hand)
     line = ready.canvas_area.messages

@@ -14,6 +14,7 @@ from cpm_app.model.document import edits
 from cpm_app.model.document.saving import describe_changes
 from cpm_app.session.features import kept_pages
 from cpm_app.session.features.kept_pages import KeptPage
+from cpm_app.session.tasks import opening
 from cpm_app.views.features.exchange import ExportFeature
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import PagesFeature
@@ -22,6 +23,7 @@ from PySide6.QtCore import QCoreApplication, Qt
 
 from cpm_core import Page, Parameters
 from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.pages import ObjectFollower
 from cpm_core.shapes import Circle, Everywhere, Polygon, PolygonRegion
 from tests.app.conftest import disc
 from tests.app.exporting import asked, export
@@ -87,9 +89,10 @@ def run_all(window, hand) -> None:
     settled(window, hand)
 
 
-def test_nothing_is_said_of_the_first_page_on_the_way_back_to_it(stack, hand) -> None:
+def test_nothing_is_said_of_the_first_page_when_it_is_opened_and_on_the_way_back_to_it(stack, hand) -> None:
     messages = stack.canvas_area.messages
-    assert messages.text == "Only the first of its 5 pages was taken."
+    assert stack.session.image.notes == ()
+    assert "first of its" not in messages.text
     go(stack, hand, Qt.Key.Key_PageDown, 2)
     assert "first of its" not in messages.text
     go(stack, hand, Qt.Key.Key_PageUp, 1)
@@ -101,7 +104,7 @@ def test_all_pages_are_written_in_several_formats_at_once(stack, hand, tmp_path)
     run_all(stack, hand)
     labels, table = export(hand.qtbot, stack, tmp_path, "pages:.tif", "pages:.measures.csv")
     assert (labels.name, table.name) == ("cells_pages.tif", "cells_pages.measures.csv")
-    hand.wait(lambda: "cells_pages.tif (2 files)" in stack.canvas_area.messages.text)
+    hand.wait(lambda: stack.canvas_area.messages.text == f"2 files written: {labels}")
     assert (tifffile.imread(labels)[0] > 0).sum() == pytest.approx(np.pi * 81.0, rel=0.1)
     assert table.read_text().startswith("page,track,")
 
@@ -121,6 +124,10 @@ def test_all_pages_are_written_only_if_asked_and_the_message_names_all_that_was_
     export(hand.qtbot, stack, tmp_path / "again", "contours:.svg")
     hand.wait(lambda: "again" in stack.canvas_area.messages.text)
     assert pages.name not in stack.canvas_area.messages.text
+    (tmp_path / "three").mkdir()
+    export(hand.qtbot, stack, tmp_path / "three", "pages:.tif", "pages:.measures.csv", "contours:.svg")
+    hand.wait(lambda: stack.canvas_area.messages.text.startswith("3 files written: "))
+    assert len(list((tmp_path / "three").iterdir())) == 3
 
 
 def test_export_all_pages_checks_files_of_all_pages_alone(stack, hand) -> None:
@@ -349,6 +356,48 @@ def test_objects_of_a_page_stay_when_the_run_of_all_pages_comes_to_it(stack, han
     later_pages.set()
     settled(stack, hand)
     assert stack.session.document.objects.items == accepted
+
+
+def test_enter_that_waits_on_a_page_acts_after_the_run_of_all_pages_has_come_to_it(
+    stack, hand, later_pages, monkeypatch
+) -> None:
+    session, selection, may_find = stack.session, stack.workspace.object_selection, threading.Event()
+    find = ObjectFollower.find_on_page
+    monkeypatch.setattr(ObjectFollower, "find_on_page", lambda *given: (may_find.wait(60), find(*given))[1])
+    hand.qtbot.mouseClick(stack.get_feature(PagesFeature).bar.run, LEFT)
+    hand.wait(lambda: 1 in stack.workspace.pages._proposed and selection.idle and bool(selection.proposals))
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Return)
+    hand.key(Qt.Key.Key_PageDown)
+    hand.wait(lambda: stack.workspace.pages.number == 2 and selection.awaits_offer)
+    hand.key(Qt.Key.Key_Return)
+    assert selection.has_waiting_keys
+    with hand.qtbot.waitSignal(session.image_changed):
+        later_pages.set()
+    may_find.set()
+    settled(stack, hand)
+    hand.wait(lambda: not selection.has_waiting_keys)
+    assert len(session.document.objects.items) == 1
+
+
+def test_going_back_while_a_page_is_opened_shows_the_page_that_was_gone_back_to(stack, hand, monkeypatch) -> None:
+    may_open, prepare, pages, asked_for = threading.Event(), opening.prepare_image, stack.workspace.pages, []
+
+    def prepare_late(*given):
+        asked_for.append(given)
+        may_open.wait(60)
+        return prepare(*given)
+
+    monkeypatch.setattr(opening, "prepare_image", prepare_late)
+    hand.key(Qt.Key.Key_PageDown)
+    hand.wait(lambda: bool(asked_for))
+    hand.key(Qt.Key.Key_PageUp)
+    hand.qtbot.wait(50)
+    may_open.set()
+    hand.wait(lambda: pages.wanted_page == pages.number == 1 and not pages.is_turning and stack.session.idle)
+    settled(stack, hand)
+    assert (pages.wanted_page, pages.number, pages.is_turning) == (1, 1, False)
+    np.testing.assert_array_equal(stack.session.image.values, shifted(0))
 
 
 def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(stack, hand) -> None:

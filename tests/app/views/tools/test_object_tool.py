@@ -304,7 +304,7 @@ def test_a_key_that_waits_for_an_answer_is_said_to_wait_until_it_acts(
             take(hand)
             hand.wait(lambda: objects.idle)
             monkeypatch.setattr(
-                object_selection, "select_all", wait_for(lambda cut, like: (like[0], cut.select([LARGE[0]])))
+                object_selection, "find_similar_objects", wait_for(lambda cut, *_: (cut.select([LARGE[0]]),))
             )
             hand.key(KEY.Key_L, CONTROL)
         else:
@@ -585,6 +585,15 @@ def test_a_click_with_control_in_an_object_selects_another_one_there(window, han
     assert [item.number for item in accepted_items(window)] == [1, 2]
 
 
+def test_a_click_with_control_in_the_only_proposal_does_not_correct_it(window, hand, objects) -> None:
+    click(hand, *LARGE[0])
+    take(hand)
+    run_everywhere(hand, count=1)
+    click(hand, 19, 19, CONTROL)
+    (only,) = window.session.document.objects.clicks
+    assert only.places[0] == pytest.approx((19.0, 19.0), abs=1.0)
+
+
 @pytest.fixture
 def part(window):
     """An accepted object over a part of the large disk."""
@@ -592,6 +601,23 @@ def part(window):
     item = SegmentedObject(1, (), Region((corners,)))
     window.session.edit("part", lambda document: accept_objects(document, (item,)))
     return item.region.paste((64, 64))
+
+
+def test_a_click_that_waits_is_marked_at_its_place_alone_and_not_by_what_another_place_would_change(
+    window, hand, objects, layer, monkeypatch
+) -> None:
+    click(hand, 43, 42)
+    hand.canvas.dispatcher.set_modifiers(SHIFT)
+    hand.canvas.move_pointer_to((43.0, 42.0))  # where all of the object would go
+    hand.wait(lambda: layer.removed.count == 1)
+    answer, select = threading.Event(), Partition.select
+    monkeypatch.setattr(Partition, "select", lambda *given, **more: (answer.wait(60), select(*given, **more))[1])
+    for act in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
+        act(hand.canvas.viewport(), Qt.MouseButton.LeftButton, SHIFT, hand.at(36.0, 36.0))
+    assert layer.awaited.isVisible()
+    assert not layer.removed.count
+    answer.set()
+    hand.wait(lambda: objects.idle and not layer.awaited.isVisible())
 
 
 def test_answers_stay_out_of_accepted_objects_unless_objects_may_overlap(window, hand, objects, part) -> None:
@@ -832,7 +858,7 @@ def test_an_object_that_was_deleted_before_the_shown_run_too_is_not_proposed_aga
     hand.wait(lambda: objects.idle and objects.offer_is_known)
     assert [each.selection.contains(np.array([SMALL[0]])).all() for each in objects.proposals] == [True]
     assert [each.key for each in objects.proposals] == [-1], "what is seen is numbered from 1"
-    monkeypatch.setattr(object_selection, "select_all", lambda cut, like: (like[0], cut.select([LARGE[0]])))
+    monkeypatch.setattr(object_selection, "find_similar_objects", lambda cut, *_: (cut.select([LARGE[0]]),))
     take(hand)
     hand.key(KEY.Key_L, CONTROL)
     hand.wait(lambda: objects.idle and window.session.idle)
@@ -882,13 +908,13 @@ def test_delete_deletes_objects_and_rejects_only_the_proposals_among_them(window
 def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_one_step(
     window, hand, objects, monkeypatch, confidence
 ) -> None:
-    def find_three(cut, like):
+    def find_three(cut, like, _):
         time.sleep(0.1)
-        nothing = replace(like[0], contours=(), region=Region.from_mask(np.zeros((64, 64), bool)))
+        nothing = replace(like, contours=(), region=Region.from_mask(np.zeros((64, 64), bool)))
         corner = replace(cut.build_selection(disk((5, 58), 3.0), np.array([(5.0, 58.0)])), confidence=0.9)
-        return like[0], replace(cut.select([LARGE[0]]), confidence=confidence), corner, nothing
+        return replace(cut.select([LARGE[0]]), confidence=confidence), corner, nothing
 
-    monkeypatch.setattr(object_selection, "select_all", find_three)
+    monkeypatch.setattr(object_selection, "find_similar_objects", find_three)
     hand.click(*SMALL[0])
     hand.key(KEY.Key_3)
     hand.key(KEY.Key_L, CONTROL)  # before the answer to the click
@@ -914,6 +940,12 @@ def test_all_like_an_object_are_proposed_and_enter_accepts_the_likely_ones_in_on
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
 
 
+def test_the_key_for_all_like_an_object_says_what_to_do_where_none_is_selected(window, hand, objects) -> None:
+    hand.key(KEY.Key_L, CONTROL)
+    assert window.canvas_area.messages.text == "Select one accepted object with an area: all like it are proposed."
+    assert objects.idle
+
+
 def test_enter_after_more_steps_than_there_are_candidates_accepts_the_last_one(window, hand, objects) -> None:
     hand.click(*SMALL[0])
     for _ in range(6):
@@ -933,12 +965,12 @@ def test_all_like_an_object_come_after_what_a_run_proposes_and_enter_right_after
         may_find.wait(20.0)
         return find_proposals(*given)
 
-    def find_one(cut, like):
+    def find_one(cut, *_):
         time.sleep(0.1)
-        return like[0], replace(cut.build_selection(disk((5, 58), 3.0), np.array([(5.0, 58.0)])), confidence=0.9)
+        return (replace(cut.build_selection(disk((5, 58), 3.0), np.array([(5.0, 58.0)])), confidence=0.9),)
 
     monkeypatch.setattr(object_selection, "find_proposals", find_late)
-    monkeypatch.setattr(object_selection, "select_all", find_one)
+    monkeypatch.setattr(object_selection, "find_similar_objects", find_one)
     click(hand, *SMALL[0])
     take(hand)
     window.actions_by_name["start_grid"].trigger()
@@ -960,11 +992,11 @@ def test_objects_like_one_found_before_a_run_ends_stay_beside_what_it_proposes_e
 ) -> None:
     corner = (5.0, 58.0), 3.0
 
-    def find_two(cut, like):
+    def find_two(cut, *_):
         found = (cut.build_selection(disk(*where), np.array([where[0]])) for where in (corner, LARGE))
-        return like[0], *(replace(each, confidence=0.9) for each in found)
+        return [replace(each, confidence=0.9) for each in found]
 
-    monkeypatch.setattr(object_selection, "select_all", find_two)
+    monkeypatch.setattr(object_selection, "find_similar_objects", find_two)
     click(hand, *SMALL[0])
     take(hand)
     window.actions_by_name["start_grid"].trigger()
@@ -992,12 +1024,12 @@ def test_what_the_user_has_turned_to_and_what_is_proposed_stay_when_objects_like
 ) -> None:
     may_find, listed, places = threading.Event(), window.workspace.object_list, [(5.0, 58.0), (58.0, 6.0)]
 
-    def find_one(cut, like):
+    def find_one(cut, *_):
         may_find.wait(20.0)
         place = places.pop()
-        return like[0], cut.build_selection(disk(place, 3.0), np.array([place]))
+        return (cut.build_selection(disk(place, 3.0), np.array([place])),)
 
-    monkeypatch.setattr(object_selection, "select_all", find_one)
+    monkeypatch.setattr(object_selection, "find_similar_objects", find_one)
     for where in (SMALL, LARGE):
         click(hand, *where[0])
         take(hand)
@@ -1008,6 +1040,34 @@ def test_what_the_user_has_turned_to_and_what_is_proposed_stay_when_objects_like
     assert listed.selected_numbers == {1}
     hand.key(KEY.Key_L, CONTROL)
     hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+
+
+@pytest.mark.parametrize("accepted", [True, False], ids=["accepted", "proposed"])
+def test_nothing_that_lies_in_an_object_or_in_a_better_proposal_is_proposed_as_like_another(
+    window, hand, objects, monkeypatch, tmp_path, accepted
+) -> None:
+    pair, single, other = disk((20, 20), 10) | disk((20, 37), 7.5), disk((46, 16), 9.0), disk((44, 46), 9.0)
+    np.save(tmp_path / "pair.npy", np.where(pair | single | other, 150.0, 20.0))
+    with hand.qtbot.waitSignal(window.session.image_changed):
+        window.session.open_file(tmp_path / "pair.npy")
+    hand.canvas.setFocus()
+    hand.wait(lambda: objects.ready and objects.idle)
+    whole = objects.partition_updater.partition.build_selection(pair, np.array([(20.0, 20.0)]))
+    proposal = Proposal(replace(whole, confidence=0.99), (Click(((20.0, 20.0),)),))
+    if accepted:
+        window.session.edit("pair", lambda document: accept_objects(document, (proposal.proposed_object,)))
+    else:
+        monkeypatch.setattr(object_selection, "find_proposals", lambda *_: (proposal,))
+        run_everywhere(hand, count=1)
+    click(hand, 46, 16)
+    take(hand)
+    hand.wait(lambda: objects.idle and not objects.selecting)
+    window.workspace.object_list.select_objects((accepted_items(window)[-1].number,))
+    before = objects.proposals
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: objects.idle and window.session.idle and len(objects.proposals) > len(before))
+    (new,) = (each for each in objects.proposals if each.category)
+    assert overlap(new.selection.mask, other) > 0.8
 
 
 def test_proposals_of_a_run_are_numbered_from_one_though_others_were_accepted_before(window, hand, objects) -> None:

@@ -190,7 +190,8 @@ def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, han
     hand.key(KEY.Key_Return)
     labels, mesh = export(hand.qtbot, found, tmp_path, "objects:.tif", "objects:.ply")
     assert mesh.stat().st_size > 1000
-    assert "2 files, 2 objects" in found.canvas_area.messages.text
+    assert found.canvas_area.messages.text.startswith("2 files written: ")
+    assert "(2 objects)" in found.canvas_area.messages.text
     labels = tifffile.imread(labels)
     there = [labels[tuple(map(round, center))] for center in (ONE, OTHER)]
     assert set(there) == {item.number for item in accepted_items(found)}
