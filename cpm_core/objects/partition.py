@@ -658,7 +658,8 @@ class Partition(drawing.Pictured):
         part = _select_connected(
             part, np.concatenate(held), find_crossings(self._find_barrier_paths(corner), part.shape).pixels
         )
-        mask[box] = drop_fragments(part, ~free[box])
+        # what is drawn may hold specks
+        mask[box] = drop_fragments(part, ~free[box] if len(prompt.positive) else np.ones_like(part))
         return candidate._replace(region=Region.from_mask(mask))
 
     def complete_object(self, drawn: Mask, area: float, outside: Index = NO_PIXELS) -> Mask:
