@@ -220,6 +220,10 @@ class StackPages(QObject):
         if not 1 <= number <= self.count or number == self.wanted_page:
             return
         self.wanted_page = number
+        self._turn()
+
+    def _turn(self) -> None:
+        """Open the wanted page, once the runs of the open page have been collected."""
         if not self._turning:
             self._turning = True
             self._session.pause()
@@ -305,14 +309,14 @@ class StackPages(QObject):
         """Take over an opened page of the stack, or another file."""
         if opened.saved is not None and opened.saved.is_other_page:
             # another page may be requested by now: the state of this one is kept until `_open_wanted_page` leaves it
-            self.number = self.source.page_number(opened.reading)
-            if self.number == self.wanted_page:
-                self._opening = ENDED_TASK
+            self.number, self._opening = self.source.page_number(opened.reading), ENDED_TASK
             page = self._kept.get(self.number)
             if page is not None:
                 self._given_starts = page.given_starts
                 self._session.history = page.history.move_to_image(self._session.document.image)
                 self._session.store.announce_status()
+            if self.number != self.wanted_page:  # this one was ready when it was left
+                self._turn()
         else:
             self._begin_stack(opened)
         self.changed.emit()

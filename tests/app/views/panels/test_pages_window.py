@@ -429,6 +429,22 @@ def test_a_page_left_while_what_its_run_has_found_is_opened_keeps_the_run(
     assert pages._describe_open_page().runs
 
 
+def test_a_page_that_was_left_but_is_shown_all_the_same_gives_way_to_the_wanted_one(stack, hand, monkeypatch) -> None:
+    pages, replace_image, late = stack.workspace.pages, stack.session.replace_image, []
+    monkeypatch.setattr(stack.session, "replace_image", late.append)
+    hand.key(Qt.Key.Key_PageDown)
+    hand.wait(lambda: bool(late))  # the report of the opened page is on its way
+    monkeypatch.undo()
+    hand.key(Qt.Key.Key_PageUp)
+    hand.wait(lambda: not pages._turning)
+    replace_image(late[0])
+    hand.wait(lambda: pages.number == 2)
+    hand.wait(lambda: pages.number == 1 and not pages.is_turning)
+    settled(stack, hand)
+    np.testing.assert_array_equal(stack.session.image.values, shifted(0))
+    go(stack, hand, Qt.Key.Key_PageDown, 2)
+
+
 def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(stack, hand) -> None:
     run_all(stack, hand)
     pages = stack.workspace.pages
