@@ -193,7 +193,7 @@ class StackPages(QObject):
                 return bool(page.contours)
             tracks = paint_tracks(page.result, page.result.shape)
             found = (Region.from_mask(tracks == one) for one in np.unique(tracks[tracks > 0]))
-            return any(not is_covered(one, (), known.dismissed) for one in found)
+            return any(not is_covered(one, tracks.shape, (), known.dismissed) for one in found)
 
         return any(offers(*each) for each in self._proposed.items())
 
