@@ -324,7 +324,8 @@ class ObjectSelection(QObject):
         example, offered = known[number], self.proposals
 
         def find_new(task: BackgroundTask) -> list[Selection]:
-            taken = unite_regions(find_limits(example, known.items, partition.shape), partition.shape)
+            apart = [item for item in known.items if item.frozen or not known.may_overlap]
+            taken = unite_regions(find_limits(example, apart, partition.shape), partition.shape)
             found = find_similar_objects(partition, selection_from_object(example, partition.shape), taken)
             return [
                 each
