@@ -53,14 +53,28 @@ def test_an_answer_that_was_seen_gives_way_to_another_object_only_if_that_is_lik
 
 
 def test_bodies_of_an_accepted_object_are_covered_but_not_a_nucleus_in_it_nor_parts_of_what_may_be_wrong() -> None:
-    row, col = np.indices((60, 90))
+    shape = 60, 90
+    row, col = np.indices(shape)
     small, large = np.hypot(row - 30, col - 62) < 11, np.hypot(row - 30, col - 32) < 20
     whole = SegmentedObject(1, (), Region.from_mask(small | large))
     body, nucleus = Region.from_mask(small & ~large), Region.from_mask(np.hypot(row - 30, col - 32) < 8)
-    assert is_covered(body, [whole])
-    assert not is_covered(nucleus, [whole])
-    assert not is_covered(body, [], [whole])
-    assert is_covered(whole.region, [], [whole])
+    assert is_covered(body, shape, [whole])
+    assert not is_covered(nucleus, shape, [whole])
+    assert not is_covered(body, shape, [], [whole])
+    assert is_covered(whole.region, shape, [], [whole])
+
+
+@pytest.mark.parametrize(
+    ("shape", "center", "inner", "outer"),
+    [((60, 60), (0, 0), 10, 40), ((60, 60), (59, 59), 10, 40), ((3, 60, 60), (1, 30, 30), 10, 25)],
+)
+def test_a_nucleus_at_the_edge_of_an_image_or_through_a_thin_volume_is_not_covered_by_its_cell(
+    shape, center, inner, outer
+) -> None:
+    away = np.hypot(*(at - middle for at, middle in zip(np.indices(shape)[-2:], center[-2:], strict=True)))
+    cell, nucleus = (Region.from_mask(away < radius) for radius in (outer, inner))
+    assert not is_covered(nucleus, shape, [SegmentedObject(1, (), cell)])
+    assert is_covered(nucleus, shape, [SegmentedObject(1, (), nucleus)])
 
 
 def test_a_first_click_in_an_object_selects_another_one_there() -> None:

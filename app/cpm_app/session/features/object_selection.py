@@ -324,13 +324,14 @@ class ObjectSelection(QObject):
         example, offered = known[number], self.proposals
 
         def find_new(task: BackgroundTask) -> list[Selection]:
-            taken = unite_regions(find_limits(example, known.items), partition.shape)
+            apart = [item for item in known.items if item.frozen or not known.may_overlap]
+            taken = unite_regions(find_limits(example, apart, partition.shape), partition.shape)
             found = find_similar_objects(partition, selection_from_object(example, partition.shape), taken)
             return [
                 each
                 for each in found
                 if each.has_boundary
-                and not is_covered(each.region, known.items, known.dismissed)
+                and not is_covered(each.region, each.shape, known.items, known.dismissed)
                 and not is_offered(each, offered)
             ]
 
@@ -476,7 +477,8 @@ class ObjectSelection(QObject):
             found, known = partial(self._on_objects_found, partition), self._session.document.objects
 
             def find_and_compare(task: BackgroundTask) -> list[tuple[Proposal, bool]]:
-                return [(each, is_covered(each.selection.region, known.items, known.dismissed)) for each in find(task)]
+                items, dismissed, shape = known.items, known.dismissed, partition.shape
+                return [(each, is_covered(each.selection.region, shape, items, dismissed)) for each in find(task)]
 
             self._finding = self._start_finding(name, find_and_compare, found)
 

@@ -37,8 +37,10 @@ from cpm_core import (
 from cpm_core.formats.stack_files import paint_tracks
 from cpm_core.image import AnyRegions, plane_regions
 from cpm_core.image.region import Region
+from cpm_core.numerics.grids import expand_window, first_pixel
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Array, JsonDict, Mask, frozen
+from cpm_core.numerics.types import Array, Extent, JsonDict, Mask, frozen
+from cpm_core.numerics.weak_cache import WeakCache
 from cpm_core.objects import partition_without_run
 from cpm_core.objects.boundaries.similar_pixels import measure_radius
 from cpm_core.objects.segmented import (
@@ -453,7 +455,9 @@ class Selector:
     def proposals(self) -> tuple[Proposal, ...]:
         """The offered objects, except for rejected ones, those that exist, and parts of merged or corrected ones."""
         new = {
-            each.clicks for each in self.offered if not is_covered(each.selection.region, self.items, self._rejected)
+            each.clicks
+            for each in self.offered
+            if not is_covered(each.selection.region, self.partition.shape, self.items, self._rejected)
         }
         joined = [frozenset(item.clicks) for item in self.items]
         return tuple(
@@ -490,8 +494,10 @@ def _find_tracks(found: Sequence[Selection], on_page: Result) -> list[int]:
     return numbers
 
 
-def is_covered(region: Region, items: Iterable[SegmentedObject], doubted: Iterable[SegmentedObject] = ()) -> bool:
-    """Tell whether objects cover half of a region or more.
+def is_covered(
+    region: Region, shape: Extent, items: Iterable[SegmentedObject], doubted: Iterable[SegmentedObject] = ()
+) -> bool:
+    """Tell whether objects cover half of a region or more, in an image of this shape.
 
     One in which the region lies with its surroundings, as a nucleus in a cell, does not count. Nor does a much larger
     one that is `doubted`, as it may be wrong.
@@ -503,31 +509,50 @@ def is_covered(region: Region, items: Iterable[SegmentedObject], doubted: Iterab
     known = [item.region for item in items]
     others = (*known, *(item.region for item in doubted if item.region.size < large))
     near = (one for one in others if one.size > 0.0 and (one.bounds[0] <= high).all() and (one.bounds[1] >= low).all())
-    covered = [one.encloses(places) for one in near if one.size < large or not _lies_within(region, one)]
-    return bool(covered) and bool(np.any(covered, axis=0).mean() >= 0.5)
+    covered = [(one, one.encloses(places)) for one in near]
+    if not _cover_half(there for _, there in covered):
+        return False
+    return _cover_half(
+        there for one, there in covered if one.size < large or not (there.any() and _lies_within(region, one, shape))
+    )
+
+
+def _cover_half(covered: Iterable[Mask]) -> bool:
+    """Tell whether half of some places or more are covered, given which of them each object covers."""
+    masks = list(covered)
+    return bool(masks) and bool(np.any(masks, axis=0).mean() >= 0.5)
 
 
 def is_offered(selection: Selection, offered: Iterable[Proposal]) -> bool:
     """Tell whether proposals cover half of a selection or more, not counting much larger ones that are less likely."""
     known = [each for each in offered if each.selection.has_boundary]
     better = [each.proposed_object for each in known if each.selection.confidence >= selection.confidence]
-    return is_covered(selection.region, better, (each.proposed_object for each in known))
+    return is_covered(selection.region, selection.shape, better, (each.proposed_object for each in known))
 
 
-def find_limits(example: SegmentedObject, items: Iterable[SegmentedObject]) -> list[Region]:
+def find_limits(example: SegmentedObject, items: Iterable[SegmentedObject], shape: Extent) -> list[Region]:
     """Find the objects that others like one leave alone: all, but where it lies in a larger one only the small ones."""
     regions, large = [item.region for item in items], _MUCH_LARGER * example.region.size
-    if any(one.size >= large and _lies_within(example.region, one) for one in regions):
+    if any(one.size >= large and _lies_within(example.region, one, shape) for one in regions):
         return [one for one in regions if one.size < large]
     return regions
 
 
-def _lies_within(region: Region, other: Region) -> bool:
-    """Tell whether a region lies in another with most of its surroundings."""
+def _lies_within(region: Region, other: Region, shape: Extent) -> bool:
+    """Tell whether a region lies in another with most of its surroundings in an image of this shape."""
+    around = _SURROUNDINGS.get(_sample_surroundings, region, shape)
+    return bool(len(around)) and bool(other.encloses(around).mean() >= 0.5)
+
+
+def _sample_surroundings(region: Region, shape: Extent) -> Array:
+    """Return the places of some of the pixels around a region, which takes long for a large one in a volume."""
     width = math.ceil(_NESTING_MARGIN * measure_radius(region.mask, np.ones(region.ndim)))
-    away = scipy.ndimage.distance_transform_edt(~np.pad(region.mask, width))
-    around = _sample_pixels((away > 0.0) & (away <= width), np.array(region.origin) - width)
-    return bool(other.encloses(around).mean() >= 0.5)
+    window = expand_window(region.clipped(shape).window, width, shape)
+    away = scipy.ndimage.distance_transform_edt(~region.cut_out(window))
+    return _sample_pixels((away > 0.0) & (away <= width), first_pixel(window))
+
+
+_SURROUNDINGS = WeakCache[Array](1024)
 
 
 def _sample_pixels(mask: Mask, origin: ArrayLike) -> Array:

@@ -77,7 +77,7 @@ class StackPages(QObject):
         """Number of the open page, from 1."""
         self.wanted_page = 0
         """Number of the requested page, which is open or being opened."""
-        self._turning, self._opening = False, ENDED_TASK
+        self._turning, self._opening, self._opening_number = False, ENDED_TASK, 0
         self._kept: dict[int, KeptPage] = {}
         self._found_pages: dict[int, Page] = {}
         self._proposed: dict[int, Page] = {}
@@ -159,7 +159,12 @@ class StackPages(QObject):
     @property
     def is_turning(self) -> bool:
         """Whether a page is being opened, or the open one again; false if that has failed or was canceled."""
-        return self._turning or (self._opening is not ENDED_TASK and not self._opening.is_cancelled)
+        return self._turning or self._is_opening
+
+    @property
+    def _is_opening(self) -> bool:
+        """Whether page `_opening_number` is being opened, or is ready to be shown."""
+        return self._opening is not ENDED_TASK and not self._opening.is_cancelled
 
     @property
     def has_images(self) -> bool:
@@ -188,7 +193,7 @@ class StackPages(QObject):
                 return bool(page.contours)
             tracks = paint_tracks(page.result, page.result.shape)
             found = (Region.from_mask(tracks == one) for one in np.unique(tracks[tracks > 0]))
-            return any(not is_covered(one, (), known.dismissed) for one in found)
+            return any(not is_covered(one, tracks.shape, (), known.dismissed) for one in found)
 
         return any(offers(*each) for each in self._proposed.items())
 
@@ -215,6 +220,10 @@ class StackPages(QObject):
         if not 1 <= number <= self.count or number == self.wanted_page:
             return
         self.wanted_page = number
+        self._turn()
+
+    def _turn(self) -> None:
+        """Open the wanted page, once the runs of the open page have been collected."""
         if not self._turning:
             self._turning = True
             self._session.pause()
@@ -245,10 +254,13 @@ class StackPages(QObject):
         self._turning = False
         if not self.count:
             return
+        opens_again = self._is_opening and self._opening_number == self.number  # with what a run of it has found
         if self.wanted_page == self.number:
-            self._opening.cancel()  # of a page that has been left before it was open
+            if not opens_again:
+                self._opening.cancel()  # of a page that has been left before it was open
             return
-        here = self._kept[self.number] = self._describe_open_page()
+        here = self._kept[self.number] if opens_again else self._describe_open_page()
+        self._kept[self.number] = here
         self._begin_page(
             self.wanted_page, self._kept.get(self.wanted_page) or self._make_fresh_page(self.wanted_page, here)
         )
@@ -265,7 +277,7 @@ class StackPages(QObject):
         content = replace(
             to_session_file(page.document, dict(now.view), now), image=place, runs=page.runs, truth=None, pages={}
         )
-        self._kept[number] = page
+        self._kept[number], self._opening_number = page, number
         saved = SavedSession(self._file.path, content, is_other_page=True, saved_document=page.saved_document)
         self._opening = self._session.begin_opening(
             OpenRequest(Path(image.path), page.document.parameters, saved=saved)
@@ -297,14 +309,14 @@ class StackPages(QObject):
         """Take over an opened page of the stack, or another file."""
         if opened.saved is not None and opened.saved.is_other_page:
             # another page may be requested by now: the state of this one is kept until `_open_wanted_page` leaves it
-            self.number = self.source.page_number(opened.reading)
-            if self.number == self.wanted_page:
-                self._opening = ENDED_TASK
+            self.number, self._opening = self.source.page_number(opened.reading), ENDED_TASK
             page = self._kept.get(self.number)
             if page is not None:
                 self._given_starts = page.given_starts
                 self._session.history = page.history.move_to_image(self._session.document.image)
                 self._session.store.announce_status()
+            if self.number != self.wanted_page:  # this one was ready when it was left
+                self._turn()
         else:
             self._begin_stack(opened)
         self.changed.emit()

@@ -400,6 +400,51 @@ def test_going_back_while_a_page_is_opened_shows_the_page_that_was_gone_back_to(
     np.testing.assert_array_equal(stack.session.image.values, shifted(0))
 
 
+@pytest.mark.parametrize("keys", [(Qt.Key.Key_PageDown, Qt.Key.Key_PageUp), (Qt.Key.Key_PageDown,)])
+def test_a_page_left_while_what_its_run_has_found_is_opened_keeps_the_run(
+    stack, hand, later_pages, monkeypatch, keys
+) -> None:
+    may_open, prepare, pages, asked_for = threading.Event(), opening.prepare_image, stack.workspace.pages, []
+
+    def prepare_late(*given):
+        asked_for.append(given)
+        may_open.wait(60)
+        return prepare(*given)
+
+    monkeypatch.setattr(opening, "prepare_image", prepare_late)
+    hand.qtbot.mouseClick(stack.get_feature(PagesFeature).bar.run, LEFT)
+    hand.wait(lambda: bool(asked_for))  # the first page is opened again
+    hand.canvas.setFocus()
+    for key in keys:
+        hand.key(key)
+    hand.wait(lambda: not pages._turning)
+    may_open.set()
+    hand.wait(lambda: pages.number == pages.wanted_page == 3 - len(keys) and not pages.is_turning)
+    if len(keys) == 1:
+        hand.key(Qt.Key.Key_PageUp)
+    hand.wait(lambda: pages.number == 1 and not pages.is_turning and len(stack.session.scene.contours) == 1)
+    later_pages.set()
+    settled(stack, hand)
+    assert pages.documents[1].shapes == (CIRCLE,)
+    assert pages._describe_open_page().runs
+
+
+def test_a_page_that_was_left_but_is_shown_all_the_same_gives_way_to_the_wanted_one(stack, hand, monkeypatch) -> None:
+    pages, replace_image, late = stack.workspace.pages, stack.session.replace_image, []
+    monkeypatch.setattr(stack.session, "replace_image", late.append)
+    hand.key(Qt.Key.Key_PageDown)
+    hand.wait(lambda: bool(late))  # the report of the opened page is on its way
+    monkeypatch.undo()
+    hand.key(Qt.Key.Key_PageUp)
+    hand.wait(lambda: not pages._turning)
+    replace_image(late[0])
+    hand.wait(lambda: pages.number == 2)
+    hand.wait(lambda: pages.number == 1 and not pages.is_turning)
+    settled(stack, hand)
+    np.testing.assert_array_equal(stack.session.image.values, shifted(0))
+    go(stack, hand, Qt.Key.Key_PageDown, 2)
+
+
 def test_a_page_that_is_run_again_while_the_pages_are_linked_keeps_what_is_new(stack, hand) -> None:
     run_all(stack, hand)
     pages = stack.workspace.pages

@@ -639,6 +639,25 @@ def test_answers_stay_out_of_accepted_objects_unless_objects_may_overlap(window,
     assert not (offered(objects) & part).any(), "a frozen object is never run over"
 
 
+@pytest.mark.parametrize(("overlaps", "frozen"), [(False, False), (True, False), (True, True)])
+def test_objects_like_one_stay_out_of_accepted_objects_unless_objects_may_overlap(
+    window, hand, objects, part, overlaps, frozen
+) -> None:
+    listed = window.workspace.object_list
+    click(hand, 18, 18)
+    take(hand)
+    hand.wait(lambda: objects.idle)
+    if overlaps:
+        window.actions_by_name["objects_overlap"].trigger()
+    if frozen:
+        listed.select_objects((1,))
+        window.workspace.object_commands.toggle_state("frozen")
+    listed.select_objects((2,))
+    hand.key(KEY.Key_L, CONTROL)
+    hand.wait(lambda: objects.idle and window.session.idle and len(objects.proposals) == 1)
+    assert overlap(offered(objects), disk(*LARGE) & ~part if frozen or not overlaps else disk(*LARGE)) > 0.9
+
+
 def test_proposals_of_a_run_stay_out_of_accepted_objects(window, hand, objects, part) -> None:
     run_everywhere(hand)
     masks = [each.selection.mask for each in objects.proposals]
