@@ -135,7 +135,7 @@ class Region:
         """Whether nothing is inside."""
         return not (self.boundary or self.surface) if self.pixels is None else not self.pixels.count
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of pixels."""
         return self._box[1].count
@@ -174,10 +174,14 @@ class Region:
             last = np.clip(np.ceil(high) + 1, first, end).astype(int)
             return tuple(first.tolist()), self._rasterize(tuple(first.tolist()), tuple(last.tolist()))
         origin, packed = self._box
-        first = np.clip(origin, begin, end)
-        last = np.clip(np.add(origin, packed.shape), first, np.maximum(first, end))
-        sides = (np.minimum(edge - origin, packed.shape).tolist() for edge in (first, last))
-        return tuple(first.tolist()), packed.cut(tuple(map(slice, *sides)))
+        corner: list[int] = []
+        window: list[slice] = []
+        for at, side, lowest, highest in zip(origin, packed.shape, begin, end, strict=True):  # arrays would be slower
+            start = min(max(at, int(lowest)), int(highest))
+            stop = max(min(at + side, int(highest)), start)
+            corner.append(start)
+            window.append(slice(min(start - at, side), min(stop - at, side)))
+        return tuple(corner), packed.cut(tuple(window))
 
     def _rasterize(self, first: Integers, last: Integers) -> Mask:
         """Mark the pixels of a box inside the boundary; those of the last box are kept, as each click needs them."""
@@ -283,6 +287,9 @@ class Region:
 
     def count_shared(self, other: Region) -> int:
         """Count the pixels that this region has in common with another."""
+        sides = zip(self.window, other.window, strict=True)
+        if any(one.stop <= two.start or two.stop <= one.start for one, two in sides):
+            return 0
         there, mask = self._find_overlap(other)
         return int(np.count_nonzero(self._box[1].cut(there) & mask))
 
@@ -339,7 +346,7 @@ class Region:
     def size(self) -> float:
         """Area without holes [px²], or volume [voxels]: within the boundary, or else of the pixels."""
         if self.pixels is not None:
-            return float(self.pixels.count)
+            return float(self.count)
         if self.surface is not None:
             return self.surface.volume
         outer = self.outer_curves

@@ -1,17 +1,16 @@
 """All objects of an image: of the regions that edges bound, and what the network makes of them, the likeliest.
 
-Each region that may be an object, and what the network changes it to, is a candidate with a probability. The likeliest
-one is an object; then the likeliest of those that do not overlap with it, and so on, unless several in it count more
-together. In likely objects that may be several, as where leaves lie over one another, the network is asked for more
-candidates. For what an unambiguous contour encloses without a neck the odds are the geometric mean of those of a region
-and of an object that was selected. Then the probabilities are corrected by how much each candidate resembles the
-others, and all is done once more.
+What contours bound, and what the network takes a point for in the middle of each region between edges, are candidates
+with a probability. The likeliest one is an object; then the likeliest of those that do not overlap with it, and so on,
+unless several in it count more together. For what an unambiguous contour encloses without a neck the odds are the
+geometric mean of those of a region and of an object that was selected. Then the probabilities are corrected by how much
+each candidate resembles the others, and all is done once more.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +20,7 @@ from cpm_core.image.region import Region
 from cpm_core.numerics.grids import bounding_window, enclose_windows, expand_window, find_largest_part, measure_depth
 from cpm_core.numerics.parallel import map_in_parallel
 from cpm_core.numerics.types import Array, Callback, Mask
-from cpm_core.objects.candidate_regions import CandidateRegions, is_brighter_outside, is_part_of, may_be_several
+from cpm_core.objects.candidate_regions import CandidateRegions, is_brighter_outside, is_known, is_part_of
 from cpm_core.objects.confidence import (
     FAINT,
     ConfidenceFeatures,
@@ -46,7 +45,7 @@ _MIN_SIBLING_CONFIDENCE = 0.3
 """Least probability of an object beside which others are judged."""
 
 _MIN_CERTAIN_CONFIDENCE = 0.3
-"""Least probability with which a region may lie between objects whose edges rise the other way."""
+"""Least probability with which a region may lie beside objects whose edges rise the other way."""
 
 _NEXT_DISTANCE = 3
 """Distance up to which two regions lie next to each other [px]."""
@@ -63,8 +62,8 @@ _MIN_NESTED_SHARE = 0.95
 _MAX_NESTED_AREA = 0.6
 """Largest area of a nested object, as a fraction of the larger one's area."""
 
-_MIN_CLUMP_AREA = 400
-"""Least area of an object in which others are looked for [px²]."""
+_SAME_ANSWER_IOU = 0.8
+"""Overlap (intersection over union) from which two candidates are the same object."""
 
 _PART_COST = 0.1
 """What an object costs, as a probability, where several take the place of one."""
@@ -98,47 +97,35 @@ def find_objects_in_parts(parts: ImageParts, check: Callback = lambda: None) -> 
 def find_image_objects(parts: ImageParts, check: Callback = lambda: None) -> list[Candidate]:
     """Find the objects of `find_objects_everywhere`, without their outlines."""
     evidence = RegionEvidence(parts)
-    candidates = predict_candidates(evidence, check)
-    features = evidence.measure_candidates(candidates)
-    return choose_objects(map(rate_candidate, candidates, features), parts.partition.values)
+    rated = (rate_candidate(one, evidence.measure_candidate(one)) for one in predict_candidates(evidence, check))
+    return choose_objects(rated, parts.partition.values)
 
 
 def predict_candidates(evidence: RegionEvidence, check: Callback = lambda: None) -> list[Candidate]:
     """Predict the candidates for the objects of an image."""
     found = CandidateRegions.from_parts(evidence.parts)
-    candidates = _predict_possible(evidence.predict_candidates, found.regions, found, check)
-    clumps = _find_clumps(map(rate_candidate, candidates, evidence.measure_candidates(candidates)), found.values)
-    return candidates + _predict_possible(evidence.predict_parts, clumps, found, check)
 
-
-def _predict_possible(
-    predict: Callable[[Candidate], Iterable[Candidate]],
-    known: list[Candidate],
-    found: CandidateRegions,
-    check: Callback,
-) -> list[Candidate]:
-    """Predict candidates from known ones, and keep those that may be objects beside the regions that were found."""
-
-    def predict_from(candidate: Candidate) -> list[Candidate]:
+    def predict(region: Candidate) -> list[Candidate]:
         check()
-        return list(predict(candidate))
+        return list(evidence.predict_candidates(region))
 
-    return [
-        one
-        for one in itertools.chain.from_iterable(map_in_parallel(predict_from, known))
-        if one.region.size >= MIN_OBJECT_AREA and found.may_be_object(one.region)
-    ]
+    bounded: list[Candidate] = []
+    selected: list[Candidate] = []
+    for one in itertools.chain.from_iterable(map_in_parallel(predict, found.regions)):
+        if one.bounded:
+            bounded.append(one)
+        elif one.region.size >= MIN_OBJECT_AREA and found.may_be_object(one.region):
+            selected.append(one)
+    return bounded + _choose_distinct(selected)
 
 
-def _find_clumps(rated: Iterable[Candidate], values: Array) -> list[Candidate]:
-    """Find likely objects of an image, shape (H, W), that may be several objects."""
-    return [
-        one
-        for one in _choose_beside([], _order_likely(rated), values)
-        if one.confidence >= _MIN_SIBLING_CONFIDENCE
-        and one.region.size >= _MIN_CLUMP_AREA
-        and may_be_several(one.region)
-    ]
+def _choose_distinct(candidates: Iterable[Candidate]) -> list[Candidate]:
+    """Choose the likeliest of candidates that are nearly the same."""
+    chosen: list[Candidate] = []
+    for one in sorted(candidates, key=lambda one: -one.likelihood):
+        if not is_known(one.region, (other.region for other in chosen), _SAME_ANSWER_IOU):
+            chosen.append(one)
+    return chosen
 
 
 def rate_candidate(candidate: Candidate, features: RegionFeatures) -> Candidate:
@@ -251,12 +238,12 @@ def _fit_between(candidate: Candidate, chosen: list[Region], values: Array) -> R
 
 
 def _is_background(region: Region, chosen: list[Region], values: Array) -> bool:
-    """Return whether a region lies between objects whose edges all rise the other way, in an image of shape (H, W)."""
+    """Return whether a region lies beside objects whose edges all rise the other way, in an image of shape (H, W)."""
     window = expand_window(region.window, _NEXT_DISTANCE, values.shape)
     around = scipy.ndimage.binary_dilation(region.cut_out(window), iterations=_NEXT_DISTANCE)
     touched = [other for other in chosen if (other.cut_out(window) & around).any()]
-    rises = is_brighter_outside(region, values) if len(touched) > 1 else False
-    return len(touched) > 1 and all(is_brighter_outside(other, values) != rises for other in touched)
+    rises = {is_brighter_outside(other, values) for other in touched}
+    return len(rises) == 1 and is_brighter_outside(region, values) not in rises
 
 
 def _is_nested(one: Region, two: Region) -> bool:

@@ -1,7 +1,7 @@
-"""Regions of an image, each of which may be an object.
+"""Regions of an image in which objects are looked for.
 
-They are what closed contours enclose, what several contours enclose that meet, parts between contours with gaps, and
-merged basins of the edge map. Most are no objects, and many nearly the same.
+They are what closed contours enclose, what several contours enclose that meet, parts between contours with gaps, each
+of which may be an object, and merged basins of the edge map. Most are no objects, and many nearly the same.
 """
 
 from __future__ import annotations
@@ -102,7 +102,7 @@ def _measure_cut_share(region: Region, interest: Mask) -> float:
 
 @record
 class CandidateRegions:
-    """The regions of an image that may be objects.
+    """The regions of an image in which objects are looked for.
 
     Attributes
     ----------
@@ -128,18 +128,19 @@ class CandidateRegions:
         whole = partition.shape if partition.parent is None else partition.parent.shape
         found = cls([], [], partition.values, partition.interest)
         enclosed = list(_find_enclosed_regions(parts))
-        bounded = [*enclosed, *_fill_masks(parts.masks, partition)]
+        between = (Candidate(region, bounded=True) for region in _fill_masks(parts.masks, partition))
+        bounded = [*enclosed, *between]
         for region in sorted((one.region for one in bounded), key=lambda one: -one.size):
             if _is_pierced(region, partition.values) and found.may_be_object(region):  # no hole of a larger one
                 found.pierced.append(region)
         pixels = math.prod(whole)
         outer = [one.region for one in enclosed if one.region.size <= _MAX_WHOLE_SHARE * pixels]
-        several = functools.cache(may_be_several)
+        several = functools.cache(_may_be_several)
         merged = (
-            one
-            for one in _fill_masks(parts.merged_masks, partition)
-            if not any(is_part_of(one.region, other) and not several(other) for other in outer)
-            and not any(_is_joined_from(one.region, other) for other in outer)
+            Candidate(region)
+            for region in _fill_masks(parts.merged_masks, partition)
+            if not any(is_part_of(region, other) and not several(other) for other in outer)
+            and not any(_is_joined_from(region, other) for other in outer)
         )
         for one in itertools.chain(bounded, merged):
             found._add_region(one, _MAX_REGION_SHARE * pixels)
@@ -148,11 +149,8 @@ class CandidateRegions:
     def _add_region(self, candidate: Candidate, most: float) -> None:
         """Add a region unless it is too small, too large, known, or no object."""
         region, known = candidate.region, (one.region for one in self.regions)
-        area = region.size
-        if not MIN_OBJECT_AREA <= area <= most or not self.may_be_object(region):
-            return
-        alike = (one for one in known if _SAME_REGION_IOU * area <= one.size <= area / _SAME_REGION_IOU)
-        if not any(region.compute_iou(one) >= _SAME_REGION_IOU for one in alike):
+        may_be_object = MIN_OBJECT_AREA <= region.size <= most and self.may_be_object(region)
+        if may_be_object and not is_known(region, known, _SAME_REGION_IOU):
             self.regions.append(candidate)
 
     def may_be_object(self, region: Region) -> bool:
@@ -189,6 +187,13 @@ def _is_pierced(region: Region, values: Array) -> bool:
     return abs(seen - outer) < _MAX_HOLE_DIFFERENCE * abs(seen - inner)
 
 
+def is_known(region: Region, known: Iterable[Region], least_iou: float) -> bool:
+    """Return whether a region overlaps by so much (intersection over union) with one of those that are known."""
+    area = region.size
+    alike = (one for one in known if least_iou * area <= one.size <= area / least_iou)
+    return any(region.compute_iou(one) >= least_iou for one in alike)
+
+
 def is_part_of(part: Region, whole: Region) -> bool:
     """Return whether a region lies in another that is larger."""
     return whole.size >= _MIN_WHOLE_AREA * part.size and part.count_shared(whole) >= _PART_SHARE * part.size
@@ -203,28 +208,27 @@ def _find_enclosed_regions(parts: ImageParts) -> Iterator[Candidate]:
     """Find all that contours enclose, alone or where several meet, with duplicates."""
     partition = parts.partition
     for mask in partition.find_unambiguous_objects():
-        yield Candidate(Region.from_mask(mask), unambiguous=True)
+        yield Candidate(Region.from_mask(mask), bounded=True, unambiguous=True)
+    found: list[Region] = []
     for contour in partition.contours:
         if contour.encloses_area:
-            yield from map(Candidate, _fill_rings([contour.points], partition.interest))
+            found += _fill_rings([contour.points], partition.interest)
     for face in find_faces(partition.contours, links=partition.links):
-        yield from map(Candidate, _fill_rings([face.outer], partition.interest))
+        found += _fill_rings([face.outer], partition.interest)
         if face.holes:
-            pierced = (
-                one
-                for one in _fill_rings([face.outer, *face.holes], partition.interest)
-                if _is_pierced(one, partition.values)
-            )
-            yield from map(Candidate, pierced)
+            rings = _fill_rings([face.outer, *face.holes], partition.interest)
+            found += (one for one in rings if _is_pierced(one, partition.values))
+    for region in found:
+        yield Candidate(region, bounded=True)
 
 
-def _fill_masks(masks: Iterable[tuple[Window, Mask]], partition: Partition) -> Iterator[Candidate]:
+def _fill_masks(masks: Iterable[tuple[Window, Mask]], partition: Partition) -> Iterator[Region]:
     """Fill masks in boxes, except a hole through which the surroundings are seen, where they hold pixels."""
     for box, mask in masks:
         inside = mask & partition.interest[box]
         if inside.any():
             part = Region.from_mask(inside, first_pixel(box))
-            yield Candidate(part if _is_pierced(part, partition.values) else part.filled)
+            yield part if _is_pierced(part, partition.values) else part.filled
 
 
 def _fill_rings(rings: list[Array], interest: Mask) -> Iterator[Region]:
@@ -247,7 +251,7 @@ def measure_solidity(region: Region) -> float:
     return float(region.filled.size / np.count_nonzero(find_hull(region.mask)))
 
 
-def may_be_several(region: Region) -> bool:
+def _may_be_several(region: Region) -> bool:
     """Return whether a region may be several objects that touch: far from convex, or with a neck."""
     solidity = measure_solidity(region)
     return solidity < _MIN_SINGLE_SOLIDITY or has_neck(region, solidity)

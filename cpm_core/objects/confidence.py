@@ -87,9 +87,8 @@ class RegionFeatures(NamedTuple):
     Attributes
     ----------
     predicted_iou, mean_certainty, iou_to_previous : float
-        Features of the prediction of the network with the region as the previous mask; see `prior.Prediction`.
-    rivalry : float
-        By how much the overlap that the network predicts is larger for other regions with the same pixels, on average.
+        Features of the prediction of the network with it as the previous mask, or of the one that found it, which then
+        has none before and overlaps with itself; see `prior.Prediction`.
     area : float
         Its area [px²].
     solidity : float
@@ -102,6 +101,8 @@ class RegionFeatures(NamedTuple):
         Edge strength where the boundary is weakest, and where the inside is strongest, in medians along the boundary.
     variation : float
         Standard deviation of the gray levels inside, in differences between white and black.
+    bounded : bool
+        Whether contours bound it; otherwise it is what the network takes a point for.
     unambiguous : bool
         Whether an unambiguous contour encloses it.
     has_neck : bool
@@ -111,7 +112,6 @@ class RegionFeatures(NamedTuple):
     predicted_iou: float
     mean_certainty: float
     iou_to_previous: float
-    rivalry: float
     area: float
     solidity: float
     border_share: float
@@ -119,6 +119,7 @@ class RegionFeatures(NamedTuple):
     weakest: float
     inside: float
     variation: float
+    bounded: bool
     unambiguous: bool
     has_neck: bool
 
@@ -208,12 +209,11 @@ def estimate_confidence(features: ConfidenceFeatures) -> float:
 
 
 def encode_region(features: RegionFeatures) -> Array:
-    """Encode the features of a region as inputs of the logistic regression, shape (13,)."""
+    """Encode the features of a region as inputs of the logistic regression, shape (14,)."""
     shares = scipy.special.logit(np.clip(features[:3], 1.0 - _MAX_CONFIDENCE, _MAX_CONFIDENCE))
     return np.array(
         [
             *shares,
-            features.rivalry,
             np.log(min(features.area, LARGE_AREA)),
             features.solidity,
             features.border_share,
@@ -221,8 +221,10 @@ def encode_region(features: RegionFeatures) -> Array:
             features.weakest,
             min(features.inside, _MAX_INSIDE),
             np.log(features.variation + FAINT),
+            features.bounded,
             features.unambiguous,
             features.has_neck,
+            features.bounded * features.predicted_iou,
         ]
     )
 

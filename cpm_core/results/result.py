@@ -84,7 +84,7 @@ class Result(drawing.Pictured):
     >>> table["area"].round(), table.units["area"]
     (array([374.,  77.]), 'µm²')
     >>> result.objects  # the best first
-    (<Selection 1,485 px, 2 contours, 0 gaps, 94 % sure>,)
+    (<Selection 1,485 px, 2 contours, 0 gaps, 96 % sure>,)
     >>> axes = result.plot(particles=True)
     >>> result.geometry is None  # nothing is known of its place in space
     True

@@ -60,7 +60,7 @@ def partition(
     --------
     >>> partition = cpm.partition(cpm.example("disks"))
     >>> partition.select([(32, 18)])
-    <Selection 301 px, 1 contour, 0 gaps, 89 % sure>
+    <Selection 301 px, 1 contour, 0 gaps, 92 % sure>
     """
     image = require_image(values) if isinstance(values, Result) else as_image(values)
     check_model(model, image.ndim)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from cpm_app.model.document.samples import load_samples
@@ -28,7 +30,7 @@ def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbo
     qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
     assert contour_counts(window.canvas_area.canvas.layers.contours) == (1, 0)
     paths = export(qtbot, window, tmp_path, "contours:.svg", "contours:.csv", "contours:.png")
-    assert "3 files, 1 contour" in window.canvas_area.messages.text
+    assert {"3 files", "1 contour"} <= set(re.findall(r"\d files|\d contour", window.canvas_area.messages.text))
     mask = np.asarray(Picture.open(paths[0]))
     assert mask.shape == values.shape
     inside, bright = mask > 0, values > 0.5 * (values.min() + values.max())

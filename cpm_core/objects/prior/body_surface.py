@@ -42,6 +42,9 @@ _POINT_PROTECTION = 2.0
 _MIN_POINT_LOGIT = 0.5
 """Least absolute logit at the corners of the steps around a point."""
 
+_MIN_HOLLOW_SIZE = 8
+"""Least number of steps in a hollow: those around a negative point."""
+
 
 def extract_body_surface(
     body: BodyPrediction,
@@ -95,7 +98,10 @@ def extract_body_surface(
 
 
 def _select_connected_logits(body: BodyPrediction, inside: Array, outside: Array, shape: Extent, size: Array) -> Single:
-    """Select the logits of the parts of a body that hold points, continued beyond the volume; one step wider."""
+    """Select the logits of the parts of a body that hold points, continued beyond the volume; one step wider.
+
+    Tiny hollows are filled.
+    """
     logits = np.pad(body.logits, 1, constant_values=-MAX_LOGIT)
     for axis, line in enumerate(body.crop.axis_positions):
         within = np.flatnonzero((line > -0.5 * size[axis]) & (line < (shape[axis] - 0.5) * size[axis])) + 1
@@ -114,6 +120,10 @@ def _select_connected_logits(body: BodyPrediction, inside: Array, outside: Array
     held[parts.part_at(corners[0]) + 1] = True
     held[0] = True
     logits[~held[parts.labels]] *= -1.0
+    hollows, _ = scipy.ndimage.label(logits <= 0.0)
+    small = np.bincount(hollows.ravel()) < _MIN_HOLLOW_SIZE
+    small[0] = False
+    logits[small[hollows]] *= -1.0
     return logits
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import compute_iou, true_bounds
+from cpm_core.numerics.grids import Window, compute_iou, true_bounds
 from cpm_core.numerics.parallel import map_in_parallel
 from cpm_core.numerics.types import NO_PIXELS, Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.objects.prior.crops import (
@@ -288,14 +288,13 @@ class ObjectPredictor:
             yield from (found for _, found in sorted(refined, key=lambda one: -one[0]))
         yield from cut
 
-    def predict_at_scales(self, pixel: Index, largest: float) -> Iterator[Prediction]:
-        """Predict the object around a pixel in crops of several sizes up to the largest [px], without refinement."""
+    def predict_near(self, pixel: Index, window: Window) -> Iterator[Prediction]:
+        """Predict the objects that a pixel may mean, in a crop around a window; none that the crop cuts."""
         prompt = Prompt(pixel[None])
-        for crop in self._propose_crops(prompt):
-            if crop.side > largest:
-                return
-            answer = self._predict_crop(crop, prompt)
-            yield self._build_prediction(answer, 1.0, answer.probability)
+        low, high = np.array([[side.start, side.stop - 1] for side in window]).T
+        for answer in self._predict_in_crop(Crop2D.from_bounds(low, high), prompt):
+            if answer.has_object() and not answer.is_cut(self.values.shape[:2]):
+                yield self._build_prediction(answer, 1.0, answer.probability)
 
     def evaluate_mask(self, mask: Mask, inside: Index) -> Prediction:
         """Evaluate an object, shape (H, W), that was found otherwise and holds pixels, shape (M, 2), by the network."""

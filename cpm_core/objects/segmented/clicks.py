@@ -38,7 +38,7 @@ def select_by_clicks(
     --------
     >>> from cpm_core.objects.segmented import Click, select_by_clicks
     >>> select_by_clicks(cpm.partition(cpm.example("disks")), [[Click(((32, 18),))], [Click(((32, 46),))]])
-    (<Selection 301 px, 1 contour, 0 gaps, 89 % sure>, <Selection 301 px, 1 contour, 0 gaps, 89 % sure>)
+    (<Selection 301 px, 1 contour, 0 gaps, 92 % sure>, <Selection 301 px, 1 contour, 0 gaps, 92 % sure>)
     """
     found: list[Selection] = []
     known = [one.region for one in others]

@@ -203,7 +203,7 @@ def candidates_of(kind: str, image: cpm.Image, labels: Index) -> Candidates:
     evidence = RegionEvidence(parts_of(image))
     found = predict_candidates(evidence)
     best = np.array([overlaps(one.region.paste(labels.shape), labels).max(initial=0.0) for one in found])
-    features = evidence.measure_candidates(found)
+    features = [evidence.measure_candidate(one) for one in found]
     found = [one._replace(strength=each.strength) for one, each in zip(found, features, strict=True)]
     return Candidates(kind, labels, evidence, found, features, (best >= confidence.CORRECT_IOU).astype(float))
 
@@ -243,10 +243,10 @@ def likely_by(image: Candidates, numbers: Array) -> Array:
 
 
 def learned_siblings(images: Sequence[Candidates], numbers: Array) -> Array:
-    """The numbers by which siblings count, learned from images after the others."""
+    """The numbers by which siblings count, learned from images after the others; where there are none, none count."""
     images = [one for one in images if one.features]
     _, right, weights = stacked(images)
-    return learned(np.concatenate([beside_siblings(one, numbers) for one in images]), right, weights)
+    return learned(np.concatenate([beside_siblings(one, numbers) for one in images]), right, weights, has_offset=False)
 
 
 def score(image: Candidates, shown_as: Array) -> float:
@@ -303,7 +303,7 @@ def learn_numbers(images: Sequence[Candidates], seed: int) -> None:
     origin = {
         "numbers": numbers.round(3).tolist(),
         "siblings": learned_siblings(images, numbers).round(3).tolist(),
-        "features": f"{', '.join(confidence.RegionFeatures._fields)}; offset",
+        "features": f"{', '.join(confidence.RegionFeatures._fields)}, bounded times predicted_iou; offset",
         "candidates": {kind: sum(len(one.features) for one in images if one.kind == kind) for kind in kinds},
         "right": {
             kind: round(float(np.concatenate([one.right for one in images if one.kind == kind]).mean()), 3)

@@ -11,19 +11,19 @@ TIGHT = 1e-3
 """How much large numbers are held back."""
 
 
-def learned(features: Array, right: Array, weights: Array) -> Array:
-    """Numbers of a logistic regression, the offset last, by Newton's method.
+def learned(features: Array, right: Array, weights: Array, *, has_offset: bool = True) -> Array:
+    """Numbers of a logistic regression, the offset last, which may be held at 0, by Newton's method.
 
     Those of features that vary less are held back less, as their unit does not matter.
     """
-    wide = np.column_stack([features, np.ones(len(features))])
+    wide = np.column_stack([features, np.ones(len(features))]) if has_offset else features
     numbers, tight = np.zeros(wide.shape[1]), TIGHT * weights.sum() * np.diag(wide.var(axis=0))
     for _ in range(50):
         likely = scipy.special.expit(wide @ numbers)
         slope = wide.T @ (weights * (right - likely)) - tight @ numbers
         bend = wide.T @ (wide * (weights * likely * (1.0 - likely))[:, None]) + tight
         numbers += np.linalg.solve(bend, slope)
-    return numbers
+    return numbers if has_offset else np.append(numbers, 0.0)
 
 
 def curve(shown: Array, right: Array) -> str:

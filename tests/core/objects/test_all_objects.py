@@ -11,10 +11,14 @@ from cpm_core.image.region import Region
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import uniform_grid
 from cpm_core.objects import compute_iou
+from cpm_core.objects.all_objects import predict_candidates
 from cpm_core.objects.candidate_regions import CandidateRegions
 from cpm_core.objects.confidence import estimate_among_siblings
+from cpm_core.objects.image_parts import ImageParts
 from cpm_core.objects.merged_basins import MergedBasins
-from cpm_core.objects.partition import partition_without_run
+from cpm_core.objects.partition import Partition, partition_without_run
+from cpm_core.objects.region_evidence import RegionEvidence
+from cpm_core.objects.selection import Candidate
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.select import select_all
@@ -157,3 +161,33 @@ def test_an_object_that_is_alone_in_its_image_stays_as_likely_as_it_is():
     (found,) = select_all(picture(np.where(disk, 160.0, 60.0)))
     assert compute_iou(found.mask, disk) > 0.95
     assert found.confidence >= 0.7
+
+
+def evidence_in(values):
+    result = segment(Image(values), uniform_grid(values.shape), PRESETS["automatic"])
+    return RegionEvidence(ImageParts.from_partition(Partition.from_result(result)))
+
+
+def test_what_points_in_regions_mean_is_each_a_candidate_once(crowd):
+    disks, _ = crowd
+    evidence = evidence_in(picture(40.0 + 120.0 * np.any(disks, axis=0)))
+    selected = [one.region for one in predict_candidates(evidence) if not one.bounded]
+    assert len(selected) >= 12
+    assert max(one.compute_iou(other) for one, other in itertools.combinations(selected, 2)) < 0.8
+
+
+def test_what_a_point_in_a_ring_means_has_its_hole():
+    ring = disk(60, 60, 40) & ~disk(60, 60, 22)
+    evidence = evidence_in(picture(40.0 + 120.0 * ring))
+    rated, *selected = evidence.predict_candidates(Candidate(Region.from_mask(ring), bounded=True))
+    assert rated.region.compute_iou(Region.from_mask(ring)) == 1.0
+    assert selected
+    assert not any(one.region.contains((60, 60)) for one in selected)
+
+
+def test_what_the_crop_around_a_region_cuts_is_none_of_what_a_point_in_it_means():
+    partition = partition_without_run(Image(picture(40.0 + 120.0 * disk(60, 60, 52))))
+    windows = np.s_[8:113, 8:113], np.s_[50:71, 50:71]
+    whole, part = (list(partition.predict_near(np.array([60, 60]), window)) for window in windows)
+    assert max(compute_iou(one.mask, disk(60, 60, 52)) for one in whole) > 0.9
+    assert max((one.mask.sum() for one in part), default=0) < 0.5 * 21**2  # what fills the crop is cut by it
