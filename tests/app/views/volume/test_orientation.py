@@ -82,8 +82,8 @@ def test_what_is_superior_is_above_and_keys_lead_where_they_point(patient, hand)
     patient.get_feature(SlicesFeature).bar.axes[0].click()
 
 
-@pytest.mark.parametrize("order", itertools.permutations(range(3)))
-@pytest.mark.parametrize("signs", itertools.product((1, -1), repeat=3))
+@pytest.mark.parametrize("order", list(itertools.permutations(range(3))))
+@pytest.mark.parametrize("signs", list(itertools.product((1, -1), repeat=3)))
 def test_slices_of_any_file_are_shown_as_radiologists_read_them(order, signs, tmp_path) -> None:
     nibabel = pytest.importorskip("nibabel")
     to_file = np.stack([order, signs], axis=1)
