@@ -63,7 +63,7 @@ _MAX_NESTED_AREA = 0.6
 """Largest area of a nested object, as a fraction of the larger one's area."""
 
 _SAME_ANSWER_IOU = 0.8
-"""Overlap (intersection over union) from which two candidates are the same object."""
+"""Overlap (intersection over union) from which two answers to points mean the same object."""
 
 _PART_COST = 0.1
 """What an object costs, as a probability, where several take the place of one."""

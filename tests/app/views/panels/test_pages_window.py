@@ -380,8 +380,10 @@ def test_enter_that_waits_on_a_page_acts_after_the_run_of_all_pages_has_come_to_
     assert len(session.document.objects.items) == 1
 
 
-def test_going_back_while_a_page_is_opened_shows_the_page_that_was_gone_back_to(stack, hand, monkeypatch) -> None:
-    may_open, prepare, pages, asked_for = threading.Event(), opening.prepare_image, stack.workspace.pages, []
+@pytest.fixture
+def late_opening(monkeypatch):
+    """An event until which no further image is opened, and what has been asked for."""
+    may_open, prepare, asked_for = threading.Event(), opening.prepare_image, []
 
     def prepare_late(*given):
         asked_for.append(given)
@@ -389,6 +391,11 @@ def test_going_back_while_a_page_is_opened_shows_the_page_that_was_gone_back_to(
         return prepare(*given)
 
     monkeypatch.setattr(opening, "prepare_image", prepare_late)
+    return may_open, asked_for
+
+
+def test_going_back_while_a_page_is_opened_shows_the_page_that_was_gone_back_to(stack, hand, late_opening) -> None:
+    pages, (may_open, asked_for) = stack.workspace.pages, late_opening
     hand.key(Qt.Key.Key_PageDown)
     hand.wait(lambda: bool(asked_for))
     hand.key(Qt.Key.Key_PageUp)
@@ -402,16 +409,9 @@ def test_going_back_while_a_page_is_opened_shows_the_page_that_was_gone_back_to(
 
 @pytest.mark.parametrize("keys", [(Qt.Key.Key_PageDown, Qt.Key.Key_PageUp), (Qt.Key.Key_PageDown,)])
 def test_a_page_left_while_what_its_run_has_found_is_opened_keeps_the_run(
-    stack, hand, later_pages, monkeypatch, keys
+    stack, hand, later_pages, late_opening, keys
 ) -> None:
-    may_open, prepare, pages, asked_for = threading.Event(), opening.prepare_image, stack.workspace.pages, []
-
-    def prepare_late(*given):
-        asked_for.append(given)
-        may_open.wait(60)
-        return prepare(*given)
-
-    monkeypatch.setattr(opening, "prepare_image", prepare_late)
+    pages, (may_open, asked_for) = stack.workspace.pages, late_opening
     hand.qtbot.mouseClick(stack.get_feature(PagesFeature).bar.run, LEFT)
     hand.wait(lambda: bool(asked_for))  # the first page is opened again
     hand.canvas.setFocus()
